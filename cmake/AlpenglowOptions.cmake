@@ -1,0 +1,30 @@
+# Compiler settings that hold for our own code only: games that add this directory keep theirs.
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+    set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+    set(CMAKE_C_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+endif()
+
+# Applies warnings, language level, assertions and sanitizers to one target of ours.
+function(alpenglow_compile_options target)
+    get_target_property(type ${target} TYPE)
+    if(type STREQUAL "INTERFACE_LIBRARY")
+        return()
+    endif()
+    target_compile_features(${target} PUBLIC cxx_std_20)
+    set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+    target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+    if(ALPENGLOW_WARNINGS_AS_ERRORS)
+        target_compile_options(${target} PRIVATE -Werror)
+    endif()
+    if(ALPENGLOW_ASSERTIONS)
+        target_compile_options(${target} PRIVATE -UNDEBUG)
+    endif()
+    if(ALPENGLOW_SANITIZE)
+        target_compile_options(${target} PRIVATE -fsanitize=${ALPENGLOW_SANITIZE} -fno-sanitize-recover=all
+                                                 -fno-omit-frame-pointer)
+        target_link_options(${target} PUBLIC -fsanitize=${ALPENGLOW_SANITIZE})
+    endif()
+endfunction()

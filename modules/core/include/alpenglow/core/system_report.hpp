@@ -1,0 +1,17 @@
+// What a system did this frame. HUD, report file and tests read the same struct.
+#pragma once
+
+#include <cstdint>
+
+namespace alpenglow {
+
+struct SystemReport {
+    const char* system = "";      // the system's name, a string literal
+    std::uint32_t considered = 0; // items that could have needed work
+    std::uint32_t updated = 0;    // items recomputed
+    std::uint32_t skipped = 0;    // items left alone: no consumer, within the error budget, or not seen
+    double cpu_ms = 0.0;          // CPU time of the calling thread
+    double error_bound = 0.0;     // the largest bound on the relative error that a skipped output may now carry
+};
+
+} // namespace alpenglow
