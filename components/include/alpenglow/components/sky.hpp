@@ -11,9 +11,9 @@ namespace alpenglow {
 // Input. Air over the observer.
 struct Atmosphere {
     float turbidity = 2.5F;                 // Linke-type turbidity of Preetham's model, 1.7 .. 10
-    float ozone_atm_cm = 0.35F;             // column of ozone
-    glm::vec3 ground_albedo{0.2F};          // linear Rec.709, for the light that the ground sends back up
-    float max_error = 0.005F;               // relative error of sky and sunlight that may go unnoticed
+    float ozone_atm_cm = 0.35F;             // column of ozone, 0 .. 2
+    glm::vec3 ground_albedo{0.2F};          // linear Rec.709, 0 .. 1, for the light that the ground sends back up
+    float max_error = 0.005F;               // relative error of sky and sunlight that may go unnoticed, >= 0
 };
 
 // Output of update_sky: the state of the sky model and the lights behind the air. Light is photometric linear Rec.709
@@ -21,16 +21,20 @@ struct Atmosphere {
 struct SkyState {
     glm::vec3 to_sun{0.0F, 0.0F, 1.0F};
     float turbidity = 2.5F;
-    // Perez coefficients A..E of Preetham's model for Y, x, y, and its zenith values (kcd/m^2 is not used: cd/m^2).
+    // Perez coefficients A..E of Preetham's model for Y, x, y, and its zenith values.
     std::array<float, 5> perez_Y{}, perez_x{}, perez_y{};
-    glm::vec3 zenith_Yxy{0.0F, 1.0F / 3.0F, 1.0F / 3.0F};
+    glm::vec3 zenith_Yxy{0.0F, 1.0F / 3.0F, 1.0F / 3.0F}; // Y in cd/m^2 (before `fade`), chromaticity x, y
     glm::vec3 horizon_normalisation{1.0F}; // F(0, theta_sun) for Y, x, y
-    float fade = 1.0F;                     // of the sky below the horizon, 1 with the sun up, towards 0 at night
+    float fade = 1.0F;                     // factor on the dome: 1 with the sun over 10 degrees, 0 from -18 down
     glm::vec3 night_radiance_cd_m2{0.0F};  // a dim, uniform floor: starlight and moonlit air
     glm::vec3 sun_illuminance_lux{0.0F};   // on a surface facing the sun, at the ground, through the air
     glm::vec3 moon_illuminance_lux{0.0F};  // likewise for the moon at its phase
+    // The inputs that this was made from, beside to_sun and turbidity.
+    glm::vec3 to_moon{0.0F, 0.0F, -1.0F};
+    float moon_phase_angle_rad = 0.0F;
+    float ozone_atm_cm = 0.35F;
     std::uint32_t celestial_revision = 0;
-    std::uint32_t revision = 0;
+    std::uint32_t revision = 0; // counts recomputations; 0: never made
 };
 
 // Input, on every entity lit by the sky's SH: how many bands it reads. No such entity (or none visible), no sky SH.
