@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -123,14 +124,15 @@ namespace {
 struct Rate {
     double altitude_deg, per_rad;
 };
-constexpr std::array<Rate, 7> rates{
-    {{-90, 1.0}, {-19, 1.0}, {-18, 120.0}, {-1, 120.0}, {5, 40.0}, {15, 15.0}, {90, 15.0}}};
+constexpr std::array<Rate, 11> rates{
+    {{-90, 0.01}, {-19, 160}, {-16, 80}, {-1, 180}, {1, 80}, {2, 50}, {4, 30}, {6, 22}, {9, 12}, {11, 8}, {20, 3}}};
 
 double rate(double low_deg, double high_deg) {
     double worst = 0.0;
-    for (std::size_t i = 0; i + 1 < rates.size(); ++i) {
-        if (high_deg >= rates[i].altitude_deg && low_deg <= rates[i + 1].altitude_deg) {
-            worst = std::max({worst, rates[i].per_rad, rates[i + 1].per_rad});
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+        const double to_deg = i + 1 < rates.size() ? rates[i + 1].from_deg : 90.0;
+        if (high_deg >= rates[i].from_deg && low_deg <= to_deg) {
+            worst = std::max(worst, rates[i].per_rad);
         }
     }
     return worst;
@@ -160,9 +162,9 @@ double drift_bound(const SkyState& state, const CelestialState& celestial, const
     double bound = drift(state.to_sun, celestial.to_sun);
     const bool night = std::min(state.to_sun.z, celestial.to_sun.z) < 0.0F;
     if (night) {
-        // The moon is a second light; its brightness goes with its phase, at most 0.06 e-folds a degree near full.
+        // The moon is a second light; its brightness goes with its phase, at most 6.3 e-folds a radian.
         bound += drift(state.to_moon, celestial.to_moon) +
-                 6.0 * std::abs(double(state.moon_phase_angle_rad) - celestial.moon_phase_angle_rad);
+                 7.0 * std::abs(double(state.moon_phase_angle_rad) - celestial.moon_phase_angle_rad);
     }
     return bound;
 }
