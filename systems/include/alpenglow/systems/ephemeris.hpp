@@ -1,0 +1,50 @@
+// Clock and observer -> where sun, moon and stars stand.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include <alpenglow/components/celestial.hpp>
+#include <alpenglow/components/observer.hpp>
+#include <alpenglow/core/system_report.hpp>
+#include <alpenglow/core/timing.hpp>
+#include <alpenglow/ecs/registry_concept.hpp>
+#include <alpenglow/ephemeris/celestial.hpp>
+#include <alpenglow/systems/frame.hpp>
+
+namespace alpenglow {
+
+// For every entity with WorldClock, Observer and CelestialState: recomputes the state when a direction in it could be
+// off by more than Observer::max_error_rad (a negative or NaN limit means 0: whenever an input changed). Inputs that
+// ephemeris::check_inputs refuses leave the last valid state as it is. error_bound: radians, over the states left alone
+// whose inputs are valid. A `updated` state's revision goes up by one.
+template <Registry R>
+SystemReport update_ephemeris(R& registry, const Frame&) {
+    SystemReport report{.system = "ephemeris"};
+    const double start = thread_cpu_seconds();
+    registry.template view<const WorldClock, const Observer, CelestialState>().each(
+        [&report](auto, const WorldClock& clock, const Observer& observer, CelestialState& state) {
+            ++report.considered;
+            if (!ephemeris::inputs_valid(observer, clock)) {
+                ++report.skipped;
+                return;
+            }
+            const double delta_t_s = ephemeris::delta_t_of(clock);
+            const double bound = ephemeris::direction_drift_bound_rad(state, observer, clock.utc_j2000_s, delta_t_s);
+            // Written so that a NaN limit counts as 0.
+            const double limit = observer.max_error_rad > 0.0 ? observer.max_error_rad : 0.0;
+            if (bound <= limit) {
+                ++report.skipped;
+                report.error_bound = std::max(report.error_bound, bound);
+                return;
+            }
+            const std::uint32_t revision = state.revision;
+            state = ephemeris::evaluate(observer, clock.utc_j2000_s, delta_t_s);
+            state.revision = revision + 1;
+            ++report.updated;
+        });
+    report.cpu_ms = (thread_cpu_seconds() - start) * 1e3;
+    return report;
+}
+
+} // namespace alpenglow
