@@ -116,13 +116,37 @@ glm::vec3 sky_radiance(const SkyState& state, const PreethamSky<float>& model, c
     return state.fade * radiance(model, direction) + state.night_radiance_cd_m2;
 }
 
+void project_sky_state(const SkyState& state, int bands, std::span<glm::vec3> out) {
+    assert(bands >= 1 && bands <= max_sky_bands && out.size() >= static_cast<std::size_t>(bands * bands));
+    std::array<glm::dvec3, max_sky_bands * max_sky_bands> c{};
+    const auto count = static_cast<std::size_t>(bands * bands);
+    if (state.fade > 0.0F) {
+        const double theta = 0.5 * pi - altitude_rad(state.to_sun);
+        project_preetham(theta, state.turbidity, bands, {12, 16}, std::span(c).first(count));
+        rotate_symmetric_sky(glm::dvec3(state.to_sun), bands, c);
+    }
+    // A uniform upper hemisphere: 2 pi sqrt((2l+1) / 4 pi) times the integral of P_l over 0 .. 1.
+    constexpr std::array<double, max_sky_bands> integral{1.0, 0.5, 0.0, -0.125, 0.0, 0.0625, 0.0};
+    for (std::size_t i = 0; i < count; ++i) {
+        c[i] *= static_cast<double>(state.fade);
+    }
+    for (int l = 0; l < bands; ++l) {
+        const auto zonal = static_cast<std::size_t>(l * (l + 1));
+        c[zonal] += glm::dvec3(state.night_radiance_cd_m2) *
+                    (two_pi * std::sqrt((2 * l + 1) / (4.0 * pi)) * integral[static_cast<std::size_t>(l)]);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        out[i] = glm::vec3(c[i]);
+    }
+}
+
 namespace {
 
-// Largest |d ln error norm / d angle| per radian at a sun's altitude in degrees, for every turbidity from 1.7 to 10,
-// with a margin; between the knots the larger of the two neighbours holds. Measured by
-// tests/modules/sky/drift_test.cpp, which fails where a true error exceeds the bound.
+// How fast the error grows with the angle moved, per radian, from a sun's altitude up to the next one's: the largest
+// over turbidities 1.7 to 10, with a margin. sky_state_test sweeps the sun and fails where a true error exceeds the
+// bound.
 struct Rate {
-    double altitude_deg, per_rad;
+    double from_deg, per_rad;
 };
 constexpr std::array<Rate, 11> rates{
     {{-90, 0.01}, {-19, 160}, {-16, 80}, {-1, 180}, {1, 80}, {2, 50}, {4, 30}, {6, 22}, {9, 12}, {11, 8}, {20, 3}}};
