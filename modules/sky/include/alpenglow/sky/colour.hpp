@@ -24,8 +24,8 @@ using Spectrum = std::array<double, spectrum_samples>;
 // (683 lm/W at the peak).
 [[nodiscard]] glm::dvec3 spectrum_to_xyz(const Spectrum& spectrum);
 
-// Linear Rec.709 (white D65) with 0.2126 R + 0.7152 G + 0.0722 B = Y up to 6e-5 (the weights are rounded; the matrix is
-// not). Colours outside the gamut come out with negative components: see into_gamut.
+// Linear Rec.709 (white D65) with 0.2126 R + 0.7152 G + 0.0722 B = Y up to 3e-4 (the weights are rounded, the matrix
+// is not; 3e-5 near white). Colours outside the gamut come out with negative components: see into_gamut.
 [[nodiscard]] glm::dvec3 xyz_to_rec709(const glm::dvec3& xyz);
 [[nodiscard]] glm::vec3 xyz_to_rec709(const glm::vec3& xyz);
 // From luminance Y and chromaticity x, y; black where y is not above 1e-6.

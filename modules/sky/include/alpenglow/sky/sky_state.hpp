@@ -25,8 +25,8 @@ namespace alpenglow::sky {
 [[nodiscard]] glm::vec3 sky_radiance(const SkyState& state, const PreethamSky<float>& model,
                                      const glm::vec3& direction);
 
-// The sky of a state, night floor included, on spherical harmonics: cd/m^2, bands * bands coefficients in the local frame
-// (bands 1 .. 7). Nothing comes from below the horizon.
+// The sky of a state, night floor included, on spherical harmonics: cd/m^2, bands * bands coefficients in the local
+// frame (bands 1 .. 7). Nothing comes from below the horizon.
 void project_sky_state(const SkyState& state, int bands, std::span<glm::vec3> out);
 
 // A bound on the relative error of `state` if it were kept for bodies that stand as in `celestial`:
