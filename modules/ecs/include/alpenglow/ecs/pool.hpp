@@ -3,11 +3,13 @@
 
 #include <alpenglow/ecs/entity.hpp>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <type_traits>
 #include <utility>
@@ -47,6 +49,12 @@ public:
     [[nodiscard]] std::uint32_t position(Entity e) const noexcept {
         const std::uint32_t at = position_of_slot(entity_index(e));
         return at != absent && packed_[at] == e ? at : absent;
+    }
+
+    // Whether `other` holds the same entities at the positions first .. last - 1.
+    [[nodiscard]] bool in_step(const SparseSet& other, std::size_t first, std::size_t last) const noexcept {
+        return other.size() >= last &&
+               std::memcmp(packed_.data() + first, other.packed_.data() + first, (last - first) * sizeof(Entity)) == 0;
     }
 
     // Removes the entity if it is there: the last one takes its place.
@@ -103,8 +111,10 @@ class Pool final : public SparseSet {
     static_assert(std::is_move_constructible_v<T> && std::is_move_assignable_v<T>, "removal moves components");
 
 public:
-    // Components a page: about 16 KiB, a power of two.
-    static constexpr std::size_t page_size = std::bit_floor(sizeof(T) < 16384 ? 16384 / sizeof(T) : 1);
+    // Components a page: a power of two, about 1 MiB. Untouched memory of a page costs address space alone, and long
+    // runs stream a million components nearly twice as fast as pages of 16 KiB do.
+    static constexpr std::size_t page_bytes = std::size_t{1} << 20U;
+    static constexpr std::size_t page_size = std::bit_floor(sizeof(T) < page_bytes ? page_bytes / sizeof(T) : 1);
 
     Pool() = default;
     ~Pool() override {
@@ -120,10 +130,6 @@ public:
     [[nodiscard]] const T& at(std::size_t position) const noexcept {
         return pages_[position / page_size][position % page_size];
     }
-
-    // The page that holds `position`, from its first component on.
-    [[nodiscard]] T* page(std::size_t position) noexcept { return pages_[position / page_size]; }
-    [[nodiscard]] const T* page(std::size_t position) const noexcept { return pages_[position / page_size]; }
 
     template <class... Args>
     T& emplace(Entity e, Args&&... args) {

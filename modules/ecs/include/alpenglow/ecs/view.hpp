@@ -3,6 +3,7 @@
 
 #include <alpenglow/ecs/pool.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -116,31 +117,33 @@ private:
             ((std::get<I>(pools_) == leader && leader != nullptr ? (each_led_by<I>(visit, all), true) : false) || ...));
     }
 
-    // One loop for each page of the leading pool, so that its components are read through a plain pointer.
+    // Works in blocks that lie within one page of every pool. Where all pools hold a block's entities at the same
+    // positions, as they do when entities get their components together, the block needs no lookup. That stays true
+    // while the visits change what they may: only positions from the current one on are touched.
     template <std::size_t Lead, class Visit, std::size_t... I>
     void each_led_by(Visit& visit, std::index_sequence<I...> /*all*/) const {
+        constexpr std::size_t block =
+            std::min({std::size_t{1024}, std::remove_pointer_t<std::tuple_element_t<I, Pools>>::page_size...});
         const Pools pools = pools_;
-        auto& lead = *std::get<Lead>(pools);
-        constexpr std::size_t page_size = std::remove_reference_t<decltype(lead)>::page_size;
+        const auto& lead = *std::get<Lead>(pools);
         for (std::size_t left = lead.size(); left != 0;) {
-            const std::size_t first = (left - 1) / page_size * page_size;
-            auto* const page = lead.page(first);
+            const std::size_t first = (left - 1) / block * block;
+            if (((I == Lead || lead.in_step(*std::get<I>(pools), first, left)) && ...)) {
+                const std::tuple<T*...> components(&std::get<I>(pools)->at(first)...);
+                for (std::size_t i = left - first; i-- != 0;) {
+                    visit(lead.entity(first + i), std::get<I>(components)[i]...);
+                }
+                left = first;
+                continue;
+            }
             for (; left != first; --left) {
                 const Entity entity = lead.entity(left - 1);
-                if constexpr (sizeof...(T) == 1) {
-                    visit(entity, page[left - 1 - first]);
-                } else {
-                    const std::uint32_t slot = entity_index(entity);
-                    Positions at;
-                    if (((I == Lead || (at[I] = std::get<I>(pools)->position_of_slot(slot)) != absent) && ...)) {
-                        visit(entity, [&]() -> decltype(auto) {
-                            if constexpr (I == Lead) {
-                                return (page[left - 1 - first]);
-                            } else {
-                                return std::get<I>(pools)->at(at[I]);
-                            }
-                        }()...);
-                    }
+                const std::uint32_t slot = entity_index(entity);
+                Positions at;
+                if ((((at[I] = I == Lead ? static_cast<std::uint32_t>(left - 1)
+                                         : std::get<I>(pools)->position_of_slot(slot)) != absent) &&
+                     ...)) {
+                    visit(entity, std::get<I>(pools)->at(at[I])...);
                 }
             }
         }
