@@ -17,7 +17,7 @@ namespace alpenglow {
 // so that their error is that of the SkyState (update_sky keeps it within Atmosphere::max_error).
 template <Registry R>
 SystemReport update_sky_light(R& registry, const Frame& /*frame*/) {
-    SystemReport report{.system = "sky light"};
+    SystemReport report{.system = "sky_light"};
     const double start = thread_cpu_seconds();
     int demand = 0;
     registry.template view<const SkyLightReceiver>().each([&](auto /*entity*/, const SkyLightReceiver& receiver) {
