@@ -111,8 +111,8 @@ class Pool final : public SparseSet {
     static_assert(std::is_move_constructible_v<T> && std::is_move_assignable_v<T>, "removal moves components");
 
 public:
-    // Components a page: a power of two, about 1 MiB. Untouched memory of a page costs address space alone, and long
-    // runs stream a million components nearly twice as fast as pages of 16 KiB do.
+    // Components a page: a power of two, about 1 MiB. Untouched memory of a page costs address space alone, and a
+    // million entities with three components are iterated about a sixth faster than with pages of 16 KiB.
     static constexpr std::size_t page_bytes = std::size_t{1} << 20U;
     static constexpr std::size_t page_size = std::bit_floor(sizeof(T) < page_bytes ? page_bytes / sizeof(T) : 1);
 
