@@ -5,10 +5,13 @@
 #include <alpenglow/ephemeris/series.hpp>
 #include <alpenglow/ephemeris/time.hpp>
 
+#include "quiet.hpp"
+
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <cstdio>
 #include <limits>
-#include <string>
 
 #include <glm/geometric.hpp>
 
@@ -37,13 +40,17 @@ bool inputs_valid(const Observer& o, const WorldClock& clock) noexcept {
 
 Status check_inputs(const Observer& o, const WorldClock& clock) {
     const auto error = [](const char* field, double value, const char* expected) {
-        return Error{"is " + std::to_string(value), field, expected};
+        std::array<char, 40> text{};
+        std::snprintf(text.data(), text.size(), "is %.10g", value);
+        return Error{text.data(), field, expected};
     };
+    // Of a huge number as of infinity: the conversion must not overflow.
+    const auto degrees = [](double x) { return std::isgreater(std::abs(x), 1e300) ? x : x / degree_rad; };
     if (!within(o.latitude_rad, -0.5 * pi, 0.5 * pi)) {
-        return error("observer.latitude (degrees)", o.latitude_rad / degree_rad, "-90 to 90");
+        return error("observer.latitude (degrees)", degrees(o.latitude_rad), "-90 to 90");
     }
     if (!within(o.longitude_rad, -two_pi, two_pi)) {
-        return error("observer.longitude (degrees)", o.longitude_rad / degree_rad, "-360 to 360, east positive");
+        return error("observer.longitude (degrees)", degrees(o.longitude_rad), "-360 to 360, east positive");
     }
     if (!within(o.height_m, min_height_m, max_height_m)) {
         return error("observer.height (metres)", o.height_m, "-12000 to 100000");
@@ -62,16 +69,14 @@ Topocentric topocentric(const Observer& observer, double utc_j2000_s, double del
     const double tt_j2000_s = utc_j2000_s + delta_t_s;
     const double t = julian_centuries(tt_j2000_s);
     const Geocentric g = geocentric(t);
-    const double sidereal = greenwich_mean_sidereal_time_rad(utc_j2000_s, tt_j2000_s) + observer.longitude_rad;
-    const glm::dmat3 local_from_true =
-        local_from_equatorial_of_date(observer.latitude_rad, sidereal + g.equation_of_equinoxes_rad);
+    const double sidereal = greenwich_mean_sidereal_time_rad(utc_j2000_s, tt_j2000_s) + g.equation_of_equinoxes_rad +
+                            observer.longitude_rad;
+    const glm::dmat3 local_from_true = local_from_equatorial_of_date(observer.latitude_rad, sidereal);
     const glm::dvec3 here = observer_in_local_m(observer.latitude_rad, observer.height_m);
     Topocentric result;
     result.sun_m = local_from_true * g.sun_m - here;
     result.moon_m = local_from_true * g.moon_m - here;
-    // Mean sidereal time with the mean equator: nutation would move the stars by 20 arcseconds at most, less than the
-    // eye sees.
-    result.local_from_equatorial = local_from_equatorial_of_date(observer.latitude_rad, sidereal) * date_from_j2000(t);
+    result.local_from_equatorial = local_from_true * (g.true_from_mean * date_from_j2000(t));
     result.local_from_moon = local_from_true * g.equatorial_from_moon;
     return result;
 }

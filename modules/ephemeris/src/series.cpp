@@ -276,7 +276,8 @@ EclipticPosition moon_series(double t) {
 
 Geocentric geocentric(double t) {
     const Nutation n = nutation(t);
-    const double obliquity = mean_obliquity_rad(t) + n.obliquity_rad;
+    const double mean_obliquity = mean_obliquity_rad(t);
+    const double obliquity = mean_obliquity + n.obliquity_rad;
     const glm::dmat3 equatorial_from_ecliptic = rotation_x(obliquity) * rotation_z(n.longitude_rad);
     const auto position = [&](const EclipticPosition& p) {
         return equatorial_from_ecliptic * (p.distance_m * from_spherical(p.longitude_rad, p.latitude_rad));
@@ -288,6 +289,7 @@ Geocentric geocentric(double t) {
     g.moon_m = position(moon_series(t));
     g.equatorial_from_moon =
         equatorial_from_ecliptic * rotation_z(a.l - a.f) * rotation_x(-inclination) * rotation_z(a.f + pi);
+    g.true_from_mean = equatorial_from_ecliptic * rotation_x(-mean_obliquity);
     const double node = degree_rad * (125.04455501 - 1934.1362619 * t);
     g.equation_of_equinoxes_rad = n.longitude_rad * std::cos(obliquity) + arcsecond_rad * 0.00264 * std::sin(node);
     return g;

@@ -1,5 +1,7 @@
 #include <alpenglow/ephemeris/time.hpp>
 
+#include "quiet.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -31,20 +33,29 @@ int days_in_month(int year, int month) {
     return month == 2 && is_leap(year) ? 29 : days[static_cast<std::size_t>(month - 1)];
 }
 
+// append, not +: GCC 12 warns falsely (-Wrestrict) about literal + string.
+std::string years_accepted() {
+    return std::string("a year from ").append(std::to_string(min_year)).append(" to ").append(std::to_string(max_year));
+}
+
+std::string quoted(std::string_view text) {
+    return std::string("'").append(text.substr(0, 64)).append("'");
+}
+
 Error field_error(std::string_view where, const char* field, const std::string& value, std::string expected) {
-    return Error{std::string(field) + " is " + value, std::string(where), std::move(expected)};
+    return Error{std::string(field).append(" is ").append(value), std::string(where), std::move(expected)};
 }
 
 Result<double> utc_from_calendar(const CalendarTime& t, std::string_view where) {
     if (t.year < min_year || t.year > max_year) {
-        return field_error(where, "year", std::to_string(t.year),
-                           "a year from " + std::to_string(min_year) + " to " + std::to_string(max_year));
+        return field_error(where, "year", std::to_string(t.year), years_accepted());
     }
     if (t.month < 1 || t.month > 12) {
         return field_error(where, "month", std::to_string(t.month), "1 to 12");
     }
     if (const int last = days_in_month(t.year, t.month); t.day < 1 || t.day > last) {
-        return field_error(where, "day", std::to_string(t.day), "1 to " + std::to_string(last) + " in that month");
+        return field_error(where, "day", std::to_string(t.day),
+                           std::string("1 to ").append(std::to_string(last)).append(" in that month"));
     }
     if (t.hour < 0 || t.hour > 23) {
         return field_error(where, "hour", std::to_string(t.hour), "0 to 23");
@@ -52,7 +63,7 @@ Result<double> utc_from_calendar(const CalendarTime& t, std::string_view where) 
     if (t.minute < 0 || t.minute > 59) {
         return field_error(where, "minute", std::to_string(t.minute), "0 to 59");
     }
-    if (!(t.second >= 0.0 && t.second < 60.0)) {
+    if (!is_number(t.second) || t.second < 0.0 || t.second >= 60.0) {
         return field_error(where, "second", std::to_string(t.second),
                            "0 to less than 60; leap seconds are not represented");
     }
@@ -173,7 +184,7 @@ double polynomial(double x, const std::array<double, N>& coefficients) {
 } // namespace
 
 bool in_range(double utc_j2000_s) noexcept {
-    return utc_j2000_s >= min_utc_j2000_s && utc_j2000_s < max_utc_j2000_s;
+    return is_number(utc_j2000_s) && utc_j2000_s >= min_utc_j2000_s && utc_j2000_s < max_utc_j2000_s;
 }
 
 Result<double> utc_from_calendar(const CalendarTime& time) {
@@ -208,7 +219,7 @@ Result<double> parse_time(std::string_view text, std::string_view where) {
     int offset_minutes = 0;
     Scanner in(text);
     if (!scan(in, t, offset_minutes)) {
-        return Error{"'" + std::string(text.substr(0, 64)) + "' is no date", std::string(where),
+        return Error{quoted(text).append(" is no date"), std::string(where),
                      "ISO 8601, such as 2026-06-21T05:30:00Z, 2026-06-21 05:30 or 2026-06-21T07:30+02:00"};
     }
     Result<double> local = utc_from_calendar(t, where);
@@ -217,8 +228,8 @@ Result<double> parse_time(std::string_view text, std::string_view where) {
     }
     const double utc = *local - 60.0 * offset_minutes;
     if (!in_range(utc)) {
-        return Error{"'" + std::string(text) + "' is out of range after its offset", std::string(where),
-                     "a year from " + std::to_string(min_year) + " to " + std::to_string(max_year) + " in UTC"};
+        return Error{quoted(text).append(" is out of range after its offset"), std::string(where),
+                     years_accepted().append(" in UTC")};
     }
     return utc;
 }

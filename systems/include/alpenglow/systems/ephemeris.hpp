@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include <alpenglow/components/celestial.hpp>
@@ -17,7 +18,7 @@ namespace alpenglow {
 // For every entity with WorldClock, Observer and CelestialState: recomputes the state when a direction in it could be
 // off by more than Observer::max_error_rad (a negative or NaN limit means 0: whenever an input changed). Inputs that
 // ephemeris::check_inputs refuses leave the last valid state as it is. error_bound: radians, over the states left alone
-// whose inputs are valid. A `updated` state's revision goes up by one.
+// whose inputs are valid. Recomputing raises the state's revision by one.
 template <Registry R>
 SystemReport update_ephemeris(R& registry, const Frame&) {
     SystemReport report{.system = "ephemeris"};
@@ -31,8 +32,7 @@ SystemReport update_ephemeris(R& registry, const Frame&) {
             }
             const double delta_t_s = ephemeris::delta_t_of(clock);
             const double bound = ephemeris::direction_drift_bound_rad(state, observer, clock.utc_j2000_s, delta_t_s);
-            // Written so that a NaN limit counts as 0.
-            const double limit = observer.max_error_rad > 0.0 ? observer.max_error_rad : 0.0;
+            const double limit = std::isgreater(observer.max_error_rad, 0.0) ? observer.max_error_rad : 0.0; // NaN: 0
             if (bound <= limit) {
                 ++report.skipped;
                 report.error_bound = std::max(report.error_bound, bound);

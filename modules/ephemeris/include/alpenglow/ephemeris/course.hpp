@@ -6,7 +6,8 @@
 // docs/ephemeris.md.
 //
 // Departures, each found by checking against ERFA and pinned by a test:
-// - the moon's argument m: 6.2300 is printed, 6.2400 is the sun's mean anomaly;
+// - the moon's argument m: 6.2300 is printed, the sun's mean anomaly at J2000 is 6.2401 (and 6.24 in the
+//   course's own sun);
 // - the moon's orientation: the printed product R_z(f + pi) R_x(I) R_z(l' - f) is in the order of application, and R_x
 //   must turn by -I: R_z(l' - f) R_x(-I) R_z(f + pi) on column vectors;
 // - distances: "multiply d_Moon by 23455" belongs to the sun's r, which is in astronomical units.
