@@ -22,10 +22,6 @@ constexpr double sun_radius_m = 6.957e8;
 constexpr double moon_radius_m = 1.7374e6;
 constexpr double max_delta_t_s = 1e6;
 
-bool within(double x, double low, double high) {
-    return x >= low && x <= high;
-} // false for NaN
-
 } // namespace
 
 double delta_t_of(const WorldClock& clock) noexcept {
