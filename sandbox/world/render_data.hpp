@@ -15,12 +15,12 @@ namespace alpenglow::sandbox {
 // One vertex of terrain or object, 40 bytes. World frame: metres, +X east, +Y north, +Z up.
 struct Vertex {
     glm::vec3 position_m;
-    std::uint32_t normal;                   // xyz as snorm8, packed as VK_FORMAT_R8G8B8A8_SNORM; w unused
-    std::uint32_t albedo;                   // linear reflectance RGB as unorm8 with square-root encoding (value^2); w: sky
-                                            // visibility (ambient occlusion) as unorm8
-    std::array<std::uint32_t, 4> horizon;   // 16 azimuths x 8 bits, azimuth k at 22.5 k degrees from north through east:
-                                            // elevation of the terrain's horizon, 0..255 -> 0..90 degrees, by sqrt
-                                            // encoding: angle = 90 deg * (v/255)^2; below-horizon counts as 0
+    std::uint32_t normal; // xyz as snorm8, packed as VK_FORMAT_R8G8B8A8_SNORM; w unused
+    std::uint32_t albedo; // linear reflectance RGB as unorm8 with square-root encoding (value^2); w: sky
+                          // visibility (ambient occlusion) as unorm8
+    std::array<std::uint32_t, 4> horizon; // 16 azimuths x 8 bits, azimuth k at 22.5 k degrees from north through east:
+                                          // elevation of the terrain's horizon, 0..255 -> 0..90 degrees, by sqrt
+                                          // encoding: angle = 90 deg * (v/255)^2; below-horizon counts as 0
     std::uint32_t reserved = 0;
 };
 
@@ -45,9 +45,9 @@ struct ShadowVertex {
 
 // What stays for the whole scene.
 struct WorldData {
-    MeshData terrain;                        // all vertices; indices hold the coarse default
+    MeshData terrain; // all vertices; indices hold the coarse default
     std::vector<MeshData> object_meshes;
-    std::vector<ObjectInstance> objects;     // sorted by mesh
+    std::vector<ObjectInstance> objects; // sorted by mesh
 };
 
 // One vertex of the sky dome: direction and linear radiance in cd/m^2 (before exposure).
@@ -59,9 +59,9 @@ struct SkyVertex {
 // What a frame is drawn from. Spans stay valid during draw(). Revisions say what changed: equal revision, no upload.
 struct FrameData {
     glm::mat4 view{1.0F};
-    glm::mat4 projection{1.0F};              // Vulkan clip space: y down, depth 0..1
+    glm::mat4 projection{1.0F}; // Vulkan clip space: y down, depth 0..1
     glm::vec3 camera_m{0.0F};
-    float exposure = 1.0F;                   // radiance * exposure = scene value before the tone curve
+    float exposure = 1.0F; // radiance * exposure = scene value before the tone curve
     // Lights, on surfaces that face them.
     glm::vec3 to_sun{0.0F, 0.0F, 1.0F};
     glm::vec3 sun_illuminance_lux{0.0F};
@@ -77,7 +77,7 @@ struct FrameData {
     glm::vec3 mie_per_m{2.0e-5F};
     float rayleigh_height_m = 8000.0F;
     float mie_height_m = 1200.0F;
-    glm::vec3 air_radiance_cd_m2{0.0F};      // isotropic part of the in-scattered light at saturation (sky SH average)
+    glm::vec3 air_radiance_cd_m2{0.0F}; // isotropic part of the in-scattered light at saturation (sky SH average)
     // Terrain level of detail: indices into WorldData::terrain.vertices.
     std::span<const std::uint32_t> terrain_indices;
     std::uint32_t terrain_indices_revision = 0;

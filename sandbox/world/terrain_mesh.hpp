@@ -1,0 +1,17 @@
+// The terrain as vertices for the renderer.
+#pragma once
+
+#include "horizon.hpp"
+#include "render_data.hpp"
+#include "terrain.hpp"
+
+namespace alpenglow::sandbox {
+
+// The outer grid row by row, then the inner grid: the numbering that TerrainLod uses. Without indices.
+[[nodiscard]] MeshData make_terrain_mesh(const Terrain& terrain);
+
+// The horizon at a point: that of the nearest vertex of the finest grid there.
+[[nodiscard]] std::array<std::uint32_t, 4> terrain_horizon(const Terrain& terrain, const MeshData& mesh,
+                                                           glm::vec2 position_m);
+
+} // namespace alpenglow::sandbox

@@ -1,0 +1,22 @@
+#include "world.hpp"
+
+#include "terrain_mesh.hpp"
+
+namespace alpenglow::sandbox {
+
+std::unique_ptr<World> build_world(std::uint32_t seed) {
+    auto world = std::make_unique<World>();
+    world->terrain = generate_terrain(seed);
+    world->data.terrain = make_terrain_mesh(world->terrain);
+    for (std::uint32_t k = 0; k < object_kinds; ++k) {
+        world->object_kinds.push_back(make_object_mesh(static_cast<ObjectKind>(k)));
+        world->data.object_meshes.push_back(world->object_kinds.back().mesh);
+    }
+    world->data.objects = place_objects(world->terrain, world->data.terrain, world->object_kinds);
+    world->lod = std::make_unique<TerrainLod>(world->terrain, world->data.terrain.vertices);
+    world->data.terrain.indices = world->lod->coarse_indices(60.0F);
+    world->shadows = std::make_unique<ObjectShadows>(world->object_kinds, world->data.objects);
+    return world;
+}
+
+} // namespace alpenglow::sandbox
