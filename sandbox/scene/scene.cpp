@@ -1,0 +1,345 @@
+#include "scene.hpp"
+
+#include "builtin_scenes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+
+#include <alpenglow/core/constants.hpp>
+#include <alpenglow/ephemeris/time.hpp>
+
+namespace alpenglow::sandbox {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::uintmax_t max_file_bytes = 1U << 20U;
+
+std::string shown(double number) {
+    return Json(number).dump();
+}
+
+// A value as an error shows it: short, on one line.
+std::string shown(const Json& value) {
+    std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    if (text.size() > 60) {
+        text = text.substr(0, 57) + "...";
+    }
+    return text;
+}
+
+// Reads the members of one JSON object; keeps the first error.
+class Reader {
+public:
+    Reader(const Json& object, std::string file, std::string prefix)
+        : object_(object), file_(std::move(file)), prefix_(std::move(prefix)) {}
+
+    template <class Number>
+    void number(const char* key, double low, double high, Number& out) {
+        const Json* value = find(key);
+        if (value == nullptr) {
+            return;
+        }
+        const std::string expected = "a number from " + shown(low) + " to " + shown(high);
+        if (!value->is_number()) {
+            fail(key, shown(*value), expected);
+            return;
+        }
+        const double x = value->get<double>();
+        if (!(x >= low && x <= high)) {
+            fail(key, shown(*value), expected);
+            return;
+        }
+        out = static_cast<Number>(x);
+    }
+
+    void numbers(const char* key, double low, double high, glm::vec3& out) {
+        const Json* value = find(key);
+        if (value == nullptr) {
+            return;
+        }
+        const std::string expected = "three numbers from " + shown(low) + " to " + shown(high);
+        if (!value->is_array() || value->size() != 3) {
+            fail(key, shown(*value), expected);
+            return;
+        }
+        for (int k = 0; k < 3; ++k) {
+            const Json& item = (*value)[static_cast<std::size_t>(k)];
+            if (!item.is_number() || !(item.get<double>() >= low && item.get<double>() <= high)) {
+                fail(std::string(key) + "[" + std::to_string(k) + "]", shown(item), expected);
+                return;
+            }
+            out[k] = item.get<float>();
+        }
+    }
+
+    void text(const char* key, std::string& out) {
+        const Json* value = find(key);
+        if (value == nullptr) {
+            return;
+        }
+        if (!value->is_string() || value->get_ref<const std::string&>().empty()) {
+            fail(key, shown(*value), "a text that is not empty");
+            return;
+        }
+        out = value->get<std::string>();
+    }
+
+    // The object under `key`; null if there is none.
+    const Json* object(const char* key) {
+        const Json* value = find(key);
+        if (value != nullptr && !value->is_object()) {
+            fail(key, shown(*value), "an object");
+            return nullptr;
+        }
+        return value;
+    }
+
+    void require(const char* key) {
+        if (!failed_ && !object_.contains(key)) {
+            failed_ = true;
+            error_ = {"is missing", where(key), "it must be given"};
+        }
+    }
+
+    // Call last: any member that nobody asked for is an error.
+    void no_others() {
+        for (const auto& member : object_.items()) {
+            if (!failed_ && std::find(known_.begin(), known_.end(), member.key()) == known_.end()) {
+                std::string names;
+                for (const std::string& name : known_) {
+                    names += (names.empty() ? "" : ", ") + name;
+                }
+                failed_ = true;
+                error_ = {"unknown field", where(shown_key(member.key())), "one of " + names};
+            }
+        }
+    }
+
+    void fail(const std::string& key, const std::string& value, const std::string& expected) {
+        if (!failed_) {
+            failed_ = true;
+            error_ = {"is " + value, where(key), expected};
+        }
+    }
+
+    [[nodiscard]] bool failed() const { return failed_; }
+    [[nodiscard]] const Error& error() const { return error_; }
+    [[nodiscard]] std::string where(const std::string& key) const { return file_ + ": " + prefix_ + key; }
+
+private:
+    const Json* find(const char* key) {
+        known_.emplace_back(key);
+        const auto at = object_.find(key);
+        return failed_ || at == object_.end() ? nullptr : &*at;
+    }
+    static std::string shown_key(const std::string& key) {
+        const std::string quoted = shown(Json(key));
+        return quoted.substr(1, quoted.size() - 2);
+    }
+
+    const Json& object_;
+    std::string file_;
+    std::string prefix_;
+    std::vector<std::string> known_;
+    bool failed_ = false;
+    Error error_;
+};
+
+// "line 3, column 7" of the byte at which the parser stopped.
+std::string place_in(std::string_view text, std::size_t byte) {
+    const std::string_view before = text.substr(0, byte > 0 ? std::min(byte - 1, text.size()) : 0);
+    const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+    const std::size_t start = before.rfind('\n');
+    const std::size_t column = before.size() - (start == std::string_view::npos ? 0 : start + 1) + 1;
+    return "line " + std::to_string(line) + ", column " + std::to_string(column);
+}
+
+Result<Json> parse_json(std::string_view text, const std::string& file) {
+    // The parser keeps the last of several members with one name, in silence: we do not.
+    std::vector<std::set<std::string>> open;
+    std::string repeated;
+    const auto watch = [&](int, Json::parse_event_t event, Json& parsed) {
+        if (event == Json::parse_event_t::object_start) {
+            open.emplace_back();
+        } else if (event == Json::parse_event_t::object_end) {
+            open.pop_back();
+        } else if (event == Json::parse_event_t::key && !open.back().insert(parsed.get<std::string>()).second &&
+                   repeated.empty()) {
+            repeated = parsed.get<std::string>();
+        }
+        return true;
+    };
+    try {
+        Json parsed = Json::parse(text.begin(), text.end(), watch);
+        if (!repeated.empty()) {
+            return Error{"is given twice", file + ": " + repeated, "each field once"};
+        }
+        return parsed;
+    } catch (const Json::parse_error& error) {
+        const std::string message = error.what();
+        const std::size_t reason = message.find(": ");
+        return Error{"malformed JSON" + (reason == std::string::npos ? "" : message.substr(reason)),
+                     file + ": " + place_in(text, error.byte), "a JSON object"};
+    } catch (const Json::exception& error) { // a number too large for a double
+        const std::string message = error.what();
+        const std::size_t reason = message.find("] ");
+        return Error{reason == std::string::npos ? message : message.substr(reason + 2), file,
+                     "numbers that fit a double"};
+    }
+}
+
+constexpr std::array<std::pair<Quality, std::string_view>, 3> quality_names{
+    {{Quality::automatic, "auto"}, {Quality::lean, "lean"}, {Quality::full, "full"}}};
+
+} // namespace
+
+std::string_view to_string(Quality quality) {
+    for (const auto& [value, name] : quality_names) {
+        if (value == quality) {
+            return name;
+        }
+    }
+    return "auto";
+}
+
+std::vector<std::string> builtin_scene_names() {
+    std::vector<std::string> names;
+    for (const BuiltinScene& scene : builtin_scenes()) {
+        names.emplace_back(scene.name);
+    }
+    return names;
+}
+
+Result<Scene> parse_scene(std::string_view text, const std::string& file) {
+    const Result<Json> parsed = parse_json(text, file);
+    if (!parsed) {
+        return parsed.error();
+    }
+    const Json& root = *parsed;
+    if (!root.is_object()) {
+        return Error{"is " + shown(root), file, "a JSON object"};
+    }
+    Scene scene;
+    Reader top(root, file, "");
+    top.require("name");
+    top.require("time_utc");
+    top.require("observer");
+    top.text("name", scene.name);
+    top.text("description", scene.description);
+    top.text("time_utc", scene.time_utc);
+    top.number("time_rate", 0.0, 100000.0, scene.time_rate);
+    std::string quality = "auto";
+    top.text("quality", quality);
+    const auto known = std::find_if(quality_names.begin(), quality_names.end(),
+                                    [&](const auto& entry) { return entry.second == quality; });
+    if (known == quality_names.end()) {
+        top.fail("quality", shown(Json(quality)), "auto, lean or full");
+    } else {
+        scene.quality = known->first;
+    }
+    const Json* observer = top.object("observer");
+    const Json* atmosphere = top.object("atmosphere");
+    const Json* camera = top.object("camera");
+    const Json* exposure = top.object("exposure");
+    top.no_others();
+    if (top.failed()) {
+        return top.error();
+    }
+    const Result<double> utc = ephemeris::parse_time(scene.time_utc, top.where("time_utc"));
+    if (!utc) {
+        return utc.error();
+    }
+    scene.utc_j2000_s = *utc;
+
+    Reader place(*observer, file, "observer.");
+    place.require("latitude_deg");
+    place.require("longitude_deg");
+    place.number("latitude_deg", -90.0, 90.0, scene.latitude_deg);
+    place.number("longitude_deg", -180.0, 180.0, scene.longitude_deg);
+    place.number("height_m", -500.0, 9000.0, scene.height_m);
+    place.no_others();
+    if (place.failed()) {
+        return place.error();
+    }
+    if (atmosphere != nullptr) {
+        Reader air(*atmosphere, file, "atmosphere.");
+        air.number("turbidity", 1.7, 10.0, scene.turbidity);
+        air.number("ozone_atm_cm", 0.0, 1.0, scene.ozone_atm_cm);
+        air.numbers("ground_albedo", 0.0, 1.0, scene.ground_albedo);
+        air.no_others();
+        if (air.failed()) {
+            return air.error();
+        }
+    }
+    if (camera != nullptr) {
+        Reader view(*camera, file, "camera.");
+        view.numbers("position_m", -60000.0, 60000.0, scene.camera_position_m);
+        view.number("yaw_deg", -360.0, 360.0, scene.camera_yaw_deg);
+        view.number("pitch_deg", -89.0, 89.0, scene.camera_pitch_deg);
+        view.number("fov_deg", 5.0, 120.0, scene.camera_fov_deg);
+        view.no_others();
+        if (view.failed()) {
+            return view.error();
+        }
+    }
+    if (exposure != nullptr) {
+        Reader light(*exposure, file, "exposure.");
+        light.number("bias_ev", -10.0, 10.0, scene.exposure_bias_ev);
+        light.no_others();
+        if (light.failed()) {
+            return light.error();
+        }
+    }
+    return scene;
+}
+
+Result<Scene> load_scene(const std::string& name_or_file) {
+    std::string names;
+    for (const BuiltinScene& scene : builtin_scenes()) {
+        if (scene.name == name_or_file) {
+            return parse_scene(scene.json, std::string(scene.name));
+        }
+        names += (names.empty() ? "" : ", ") + std::string(scene.name);
+    }
+    namespace fs = std::filesystem;
+    std::error_code failure;
+    const fs::path path(name_or_file);
+    if (!fs::exists(path, failure)) {
+        const bool looks_like_file = path.has_parent_path() || path.has_extension();
+        return looks_like_file ? Error{"no such file", name_or_file, "a scene file, or one of " + names}
+                               : Error{"unknown scene \"" + name_or_file + "\"", "", "one of " + names + ", or a file"};
+    }
+    if (!fs::is_regular_file(path, failure)) {
+        return Error{"is not a file", name_or_file, "a scene file, or one of " + names};
+    }
+    if (const auto size = fs::file_size(path, failure); failure || size > max_file_bytes) {
+        return Error{"is too large for a scene", name_or_file, "at most 1 MiB of JSON"};
+    }
+    std::ifstream stream(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+    if (!stream) {
+        return Error{"cannot be read", name_or_file, "a scene file that may be read"};
+    }
+    return parse_scene(text, name_or_file);
+}
+
+Camera scene_camera(const Scene& scene) {
+    Camera camera;
+    camera.position_m = scene.camera_position_m;
+    camera.yaw_rad = scene.camera_yaw_deg * static_cast<float>(degree_rad);
+    camera.pitch_rad = scene.camera_pitch_deg * static_cast<float>(degree_rad);
+    camera.fov_y_rad = scene.camera_fov_deg * static_cast<float>(degree_rad);
+    camera.turn(0.0F, 0.0F); // brings the yaw into its range
+    return camera;
+}
+
+} // namespace alpenglow::sandbox
