@@ -47,6 +47,14 @@ Result<ReloadablePipeline> ReloadablePipeline::create(const Device& device, std:
     return reloadable;
 }
 
+std::string ReloadablePipeline::name() const {
+    std::string names;
+    for (const ShaderSource& source : sources_) {
+        names += (names.empty() ? "" : ", ") + source.file.filename().string();
+    }
+    return names;
+}
+
 void ReloadablePipeline::watch(const std::filesystem::path& file) {
     const auto same = [&file](const WatchedFile& watched) { return watched.file == file; };
     if (std::none_of(watched_.begin(), watched_.end(), same)) {

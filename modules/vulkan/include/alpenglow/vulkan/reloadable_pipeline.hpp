@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <alpenglow/core/result.hpp>
@@ -27,6 +28,8 @@ public:
                                              std::vector<std::filesystem::path> include_directories, Build build);
 
     [[nodiscard]] VkPipeline get() const { return pipeline_.get(); }
+    // The names of its shader files: "terrain.vert, color.frag".
+    [[nodiscard]] std::string name() const;
 
     // Looks at the files' times of change. True: a changed file was compiled and the pipeline is new (the device was
     // idle in between). False: nothing changed. Error: the new source is broken, with the compiler's message; the old

@@ -1,0 +1,129 @@
+#include "sandbox/render/gpu_data.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "sandbox/render/sky_dome.hpp"
+
+namespace alpenglow::sandbox {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+// The two horizon azimuths around a light, as word and shift in Vertex::horizon.
+glm::uvec4 sector(float at) {
+    const auto first = static_cast<std::uint32_t>(at) % 16U;
+    const std::uint32_t second = (first + 1U) % 16U;
+    return {first / 4U, first % 4U * 8U, second / 4U, second % 4U * 8U};
+}
+
+// Azimuth of a light in steps of 22.5 degrees from north through east, 0 .. 16.
+float azimuth_steps(glm::vec3 towards) {
+    const float azimuth = std::atan2(towards.x, towards.y);
+    const float steps = azimuth / (2.0F * kPi) * 16.0F;
+    return steps < 0.0F ? steps + 16.0F : steps;
+}
+
+float elevation(glm::vec3 towards) {
+    return std::atan2(towards.z, std::hypot(towards.x, towards.y));
+}
+
+glm::vec4 with(glm::vec3 xyz, float w) {
+    return {xyz.x, xyz.y, xyz.z, w};
+}
+
+} // namespace
+
+SkyExtract extract_sky(const FrameData& frame) {
+    SkyExtract extract;
+    if (frame.sky_vertices.empty()) {
+        extract.horizon.fill(frame.air_radiance_cd_m2);
+        return extract;
+    }
+    // The horizon ring's half on one side of the sun; a clear sky is the same on the other.
+    std::uint32_t i = SkyDome::azimuths / 2;
+    for (std::size_t entry = 0; entry < extract.horizon.size(); ++entry) {
+        const float wanted = 2.0F * std::asin(static_cast<float>(entry) / 16.0F);
+        while (i + 2 < SkyDome::azimuths && sky_azimuth_from_sun(i + 1) < wanted) {
+            ++i;
+        }
+        const float from = sky_azimuth_from_sun(i);
+        const float part = std::clamp((wanted - from) / (sky_azimuth_from_sun(i + 1) - from), 0.0F, 1.0F);
+        extract.horizon[entry] = (1.0F - part) * frame.sky_vertices[i].radiance_cd_m2 +
+                                 part * frame.sky_vertices[(i + 1) % SkyDome::azimuths].radiance_cd_m2;
+    }
+    const auto nearer = [&](const SkyVertex& a, const SkyVertex& b) {
+        return glm::dot(a.direction, frame.to_moon) < glm::dot(b.direction, frame.to_moon);
+    };
+    extract.at_moon = std::max_element(frame.sky_vertices.begin(), frame.sky_vertices.end(), nearer)->radiance_cd_m2;
+    return extract;
+}
+
+glm::mat4 reversed_depth(const glm::mat4& projection) {
+    glm::mat4 reversed = projection;
+    for (glm::length_t column = 0; column < 4; ++column) {
+        reversed[column][2] = static_cast<float>(double{projection[column][3]} - double{projection[column][2]});
+    }
+    return reversed;
+}
+
+glm::mat4 clip_from_relative(const FrameData& frame) {
+    return reversed_depth(frame.projection) * glm::mat4(glm::mat3(frame.view));
+}
+
+float pixels_per_radian(const FrameData& frame, std::uint32_t height_px) {
+    return 0.5F * static_cast<float>(height_px) * std::abs(frame.projection[1][1]);
+}
+
+float moon_disc_mean_cosine(float cos_phase) {
+    const float phase = std::acos(std::clamp(cos_phase, -1.0F, 1.0F));
+    return 2.0F * (std::sin(phase) + (kPi - phase) * std::cos(phase)) / (3.0F * kPi);
+}
+
+gpu::FrameBlock make_frame_block(const FrameData& frame, const SkyExtract& sky, std::uint32_t height_px) {
+    gpu::FrameBlock block{};
+    const float exposure = frame.exposure;
+    block.clip_from_relative = clip_from_relative(frame);
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        block.irradiance[channel] = frame.irradiance_matrix[channel] * (exposure / kPi);
+    }
+    block.camera_m = with(frame.camera_m, pixels_per_radian(frame, height_px));
+    block.to_sun = with(frame.to_sun, frame.sun_angular_radius_rad);
+    block.to_moon = with(frame.to_moon, frame.moon_angular_radius_rad);
+    block.sun = with(frame.sun_illuminance_lux * (exposure / kPi), exposure);
+    block.moon = with(frame.moon_illuminance_lux * (exposure / kPi), 0.0F);
+    const auto solid_angle = [](float radius) { return kPi * std::sin(radius) * std::sin(radius); };
+    block.sun_disc = with(frame.sun_illuminance_lux * (exposure / solid_angle(frame.sun_angular_radius_rad)), 0.0F);
+    const float lit = moon_disc_mean_cosine(-glm::dot(frame.to_moon, frame.to_sun));
+    if (lit > 1e-4F) { // thinner than any crescent that can be seen
+        block.moon_disc =
+            with(frame.moon_illuminance_lux * (exposure / (solid_angle(frame.moon_angular_radius_rad) * lit)), 0.0F);
+    }
+    block.moon_sky = with(sky.at_moon * exposure, 0.0F);
+    block.rayleigh = with(frame.rayleigh_per_m, 1.0F / frame.rayleigh_height_m);
+    block.mie = with(frame.mie_per_m, 1.0F / frame.mie_height_m);
+    const float sun_steps = azimuth_steps(frame.to_sun);
+    const float moon_steps = azimuth_steps(frame.to_moon);
+    block.sector = {sun_steps - std::floor(sun_steps), moon_steps - std::floor(moon_steps), elevation(frame.to_sun),
+                    elevation(frame.to_moon)};
+    block.sun_sector = sector(sun_steps);
+    block.moon_sector = sector(moon_steps);
+    for (std::size_t i = 0; i < sky.horizon.size(); ++i) {
+        block.horizon_light[i] = with(sky.horizon[i] * exposure, 0.0F);
+    }
+    return block;
+}
+
+gpu::Instance make_instance(const ObjectInstance& object) {
+    const glm::mat4& m = object.world_from_object;
+    return {{m[0][0], m[1][0], m[2][0], m[3][0]},
+            {m[0][1], m[1][1], m[2][1], m[3][1]},
+            {m[0][2], m[1][2], m[2][2], m[3][2]},
+            object.horizon};
+}
+
+} // namespace alpenglow::sandbox

@@ -1,0 +1,113 @@
+// Draws a frame: into a window's swapchain or, headless, into memory. Both take the same path and give the same bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <alpenglow/core/result.hpp>
+#include <alpenglow/vulkan/device.hpp>
+#include <alpenglow/vulkan/frame_ring.hpp>
+#include <alpenglow/vulkan/swapchain.hpp>
+
+#include "sandbox/render/dynamic_buffer.hpp"
+#include "sandbox/render/gpu_data.hpp"
+#include "sandbox/render/passes.hpp"
+#include "sandbox/render/visible_objects.hpp"
+#include "sandbox/world/render_data.hpp"
+
+namespace alpenglow::sandbox {
+
+struct RendererOptions {
+    VkExtent2D extent{960, 540};
+    std::optional<Quality> quality{}; // none: lean on a CPU device, full on a GPU
+    std::uint32_t frames_in_flight = 2;
+    std::filesystem::path shader_directory{}; // the folder shaders/ to follow for changes; empty: none
+};
+
+// What a draw() did.
+struct DrawStats {
+    std::uint32_t uploads = 0; // buffers filled anew, not counting the uniform block of each frame
+    std::uint64_t upload_bytes = 0;
+    std::uint32_t draws = 0;     // draw calls
+    std::uint32_t triangles = 0; // submitted, whether in view or not
+    std::uint32_t objects_considered = 0;
+    std::uint32_t objects_drawn = 0;
+    bool presented = false; // false with a swapchain: it must be recreated
+};
+
+class Renderer {
+public:
+    // The device outlives the renderer; `world` is copied to the device and may go.
+    static Result<std::unique_ptr<Renderer>> create(const vulkan::Device& device, const WorldData& world,
+                                                    const RendererOptions& options);
+    ~Renderer();
+    Renderer(const Renderer&) = delete;
+    Renderer& operator=(const Renderer&) = delete;
+
+    [[nodiscard]] Quality quality() const { return quality_; }
+    [[nodiscard]] VkExtent2D extent() const { return extent_; }
+
+    // New targets. Waits for the device.
+    Status resize(VkExtent2D extent);
+
+    // Draws and submits a frame; with a swapchain, also presents it, scaled to the window. Returns while the device is
+    // still drawing; waits where `frames_in_flight` frames are under way.
+    Result<DrawStats> draw(const FrameData& frame, vulkan::Swapchain* swapchain = nullptr);
+
+    // Waits until all submitted frames are done.
+    Status finish();
+
+    // The last frame, RGBA, 8 bits, sRGB, rows from the top. Waits for it.
+    Result<std::vector<std::byte>> read_pixels();
+
+    // Compiles shaders whose files have changed. One message for each pipeline that was made anew or that is kept as it
+    // was because its shader is broken; empty where nothing changed.
+    std::vector<std::string> reload_shaders();
+
+private:
+    explicit Renderer(const vulkan::Device& device) : device_(device) {}
+    Status upload_world(const WorldData& world);
+    Status create_targets(VkExtent2D extent);
+    Status update_buffers(const FrameData& frame, std::uint32_t slot, DrawStats& stats);
+    void record_scene(VkCommandBuffer commands, const FrameData& frame, std::uint32_t slot, DrawStats& stats) const;
+
+    struct Mesh {
+        std::uint32_t first_index = 0;
+        std::uint32_t index_count = 0;
+        std::int32_t vertex_offset = 0;
+    };
+    struct Slot {
+        std::optional<vulkan::Buffer> block; // the FrameBlock
+        VkDescriptorSet set = VK_NULL_HANDLE;
+    };
+
+    const vulkan::Device& device_;
+    Quality quality_ = Quality::lean;
+    VkExtent2D extent_{};
+    Passes passes_;
+    vulkan::RenderTarget scene_target_;
+    vulkan::DescriptorPool descriptors_;
+    std::vector<Slot> slots_;
+    std::optional<vulkan::FrameRing> ring_;
+
+    // What stays.
+    std::optional<vulkan::Buffer> terrain_vertices_;
+    std::optional<vulkan::Buffer> object_vertices_;
+    std::optional<vulkan::Buffer> object_indices_;
+    std::optional<vulkan::Buffer> sky_indices_;
+    std::uint32_t sky_index_count_ = 0;
+    std::vector<Mesh> meshes_;
+    std::vector<gpu::Instance> instances_; // one an object
+    VisibleObjects visible_;
+    // What changes now and then, and the revision that it has.
+    DynamicBuffer terrain_indices_, shadow_vertices_, shadow_indices_, sky_vertices_, visible_instances_;
+    std::optional<std::uint32_t> terrain_revision_, shadow_revision_, sky_revision_;
+    SkyExtract sky_extract_;
+};
+
+} // namespace alpenglow::sandbox

@@ -1,0 +1,21 @@
+// What every pass of a frame reads: one uniform block, read by GLSL and by C++ alike, so made of vec4, uvec4 and mat4
+// alone (std140 then has no padding). All light is multiplied by the frame's exposure beforehand.
+struct FrameBlock {
+    mat4 clip_from_relative;  // from world directions relative to the camera; reversed depth: 1 near, 0 far
+    mat4 shadow_from_relative; // to the shadow map: xy in 0..1, z reversed depth; full quality alone
+    mat4 irradiance[3];       // n^T M n for R, G, B with n = (x, y, z, 1): light of sky and ground, over pi
+    vec4 camera_m;            // xyz: the camera in the world; w: pixels per radian
+    vec4 to_sun;              // xyz; w: angular radius of the disc
+    vec4 to_moon;             // likewise
+    vec4 sun;                 // rgb: illuminance over pi on a surface that faces the sun; w: exposure
+    vec4 moon;                // rgb: likewise
+    vec4 sun_disc;            // rgb: radiance of the disc
+    vec4 moon_disc;           // rgb: radiance of the moon where the sun stands overhead
+    vec4 moon_sky;            // rgb: radiance of the sky in front of the moon
+    vec4 rayleigh;            // rgb: extinction at sea level, per metre; w: 1 / scale height
+    vec4 mie;                 // likewise
+    vec4 sector;              // weights of the second azimuth for sun and moon, elevations of sun and moon
+    uvec4 sun_sector;         // where the horizon towards the sun stands: word and shift of the two nearest azimuths
+    uvec4 moon_sector;        // likewise
+    vec4 horizon_light[17];   // rgb: radiance of the sky at the horizon, entry i at sin(azimuth from the sun / 2) = i / 16
+};

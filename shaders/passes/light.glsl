@@ -1,0 +1,70 @@
+// Light on surfaces out of doors, and the air in front of them. Needs frame.glsl.
+
+// Fraction of a disc of angular radius `radius` that stands over a straight horizon, its centre `height` above it.
+float disc_over_horizon(float height, float radius) {
+    float x = clamp(height / radius, -1.0, 1.0);
+    return 0.5 + (x * sqrt(max(1.0 - x * x, 0.0)) + asin(x)) / pi;
+}
+
+// Elevation of the terrain's horizon towards a light, between the two azimuths around it (horizon mapping, Max 1988).
+float horizon_elevation(uvec4 horizon, uvec4 sector, float weight) {
+    uvec2 code = (uvec2(horizon[sector.x], horizon[sector.z]) >> sector.yw) & 255u;
+    vec2 root = vec2(code) / 255.0;
+    vec2 elevation = 0.5 * pi * root * root;
+    return mix(elevation.x, elevation.y, weight);
+}
+
+float sun_visibility(uvec4 horizon) {
+    return disc_over_horizon(frame.sector.z - horizon_elevation(horizon, frame.sun_sector, frame.sector.x),
+                             frame.to_sun.w);
+}
+
+float moon_visibility(uvec4 horizon) {
+    return disc_over_horizon(frame.sector.w - horizon_elevation(horizon, frame.moon_sector, frame.sector.y),
+                             frame.to_moon.w);
+}
+
+// Irradiance of sky and ground over pi (Ramamoorthi and Hanrahan 2001, eq. 11). The cut at order 3 can ring below zero.
+vec3 sky_irradiance(vec3 normal) {
+    vec4 n = vec4(normal, 1.0);
+    return max(vec3(dot(n, frame.irradiance[0] * n), dot(n, frame.irradiance[1] * n), dot(n, frame.irradiance[2] * n)),
+               0.0);
+}
+
+// Radiance that a Lambertian surface reflects.
+vec3 reflected(vec3 albedo, float ambient, vec3 normal, float sun, float moon) {
+    vec3 light = frame.sun.rgb * (sun * max(dot(normal, frame.to_sun.xyz), 0.0)) +
+                 frame.moon.rgb * (moon * max(dot(normal, frame.to_moon.xyz), 0.0)) + ambient * sky_irradiance(normal);
+    return albedo * light;
+}
+
+// (1 - e^-x) / x, by its series where the quotient would cancel.
+float mean_falloff(float x) { return abs(x) < 1e-3 ? 1.0 - 0.5 * x : (1.0 - exp(-x)) / x; }
+
+// Mean density of an exponential atmosphere between two heights, relative to sea level.
+float mean_density(float from_m, float to_m, float per_m) {
+    return exp(-from_m * per_m) * mean_falloff((to_m - from_m) * per_m);
+}
+
+// Transmittance of the air between the camera and a point of the world, given relative to the camera.
+vec3 air_transmittance(vec3 relative_m) {
+    float from_m = frame.camera_m.z;
+    float to_m = from_m + relative_m.z;
+    vec3 extinction = frame.rayleigh.rgb * mean_density(from_m, to_m, frame.rayleigh.w) +
+                      frame.mie.rgb * mean_density(from_m, to_m, frame.mie.w);
+    return exp(-extinction * length(relative_m));
+}
+
+// Radiance of air without end: the horizon's in that azimuth, so that far mountains fade into the sky behind them.
+vec3 horizon_light(vec3 relative_m) {
+    vec2 along = relative_m.xy * inversesqrt(max(dot(relative_m.xy, relative_m.xy), 1e-6));
+    vec2 sun = frame.to_sun.xy * inversesqrt(max(dot(frame.to_sun.xy, frame.to_sun.xy), 1e-12));
+    float at = 16.0 * sqrt(clamp(0.5 - 0.5 * dot(along, sun), 0.0, 1.0));
+    int first = min(int(at), 15);
+    return mix(frame.horizon_light[first].rgb, frame.horizon_light[first + 1].rgb, at - float(first));
+}
+
+vec3 through_air(vec3 radiance, vec3 relative_m) {
+    vec3 transmittance = air_transmittance(relative_m);
+    return radiance * transmittance + horizon_light(relative_m) * (1.0 - transmittance);
+}

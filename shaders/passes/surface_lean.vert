@@ -1,0 +1,16 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Terrain and objects, all light per vertex, encoded for the display here: what is left per pixel is an interpolation.
+#include "frame.glsl"
+#include "light.glsl"
+#include "surface.glsl"
+#include "tone.glsl"
+
+layout(location = 0) out vec3 color;
+
+void main() {
+    Surface s = read_surface();
+    gl_Position = frame.clip_from_relative * vec4(s.relative_m, 1.0);
+    vec3 radiance = reflected(s.albedo, s.ambient, s.normal, sun_visibility(s.horizon), moon_visibility(s.horizon));
+    color = display(through_air(radiance, s.relative_m));
+}
