@@ -1,5 +1,7 @@
 #include <alpenglow/sh/project.hpp>
 
+#include "gauss_legendre.hpp"
+
 #include <alpenglow/core/constants.hpp>
 
 #include <algorithm>
@@ -8,33 +10,6 @@
 
 namespace alpenglow::sh {
 namespace {
-
-// Nodes and weights of Gauss-Legendre quadrature on [-1, 1]: Newton on P_n from the usual cosine guess.
-void gauss_legendre(int n, std::vector<double>& nodes, std::vector<double>& weights) {
-    nodes.resize(static_cast<std::size_t>(n));
-    weights.resize(static_cast<std::size_t>(n));
-    for (int i = 0; i < n; ++i) {
-        double x = std::cos(pi * (i + 0.75) / (n + 0.5));
-        double slope = 1.0;
-        for (int iteration = 0; iteration < 12; ++iteration) {
-            double before = 0.0;
-            double p = 1.0;
-            for (int k = 1; k <= n; ++k) {
-                const double next = ((2.0 * k - 1.0) * x * p - (k - 1.0) * before) / k;
-                before = p;
-                p = next;
-            }
-            slope = n * (x * p - before) / (x * x - 1.0);
-            const double step = p / slope;
-            x -= step;
-            if (std::abs(step) < 1e-15) {
-                break;
-            }
-        }
-        nodes[static_cast<std::size_t>(i)] = x;
-        weights[static_cast<std::size_t>(i)] = 2.0 / ((1.0 - x * x) * slope * slope);
-    }
-}
 
 template <class Value>
 void accumulate(int order, const glm::dvec3& direction, const Value& weighted, std::span<Value> out) noexcept {
@@ -62,7 +37,7 @@ SphereQuadrature sphere_quadrature(int degree) {
     assert(degree >= 0 && degree <= 4000);
     std::vector<double> z;
     std::vector<double> z_weights;
-    gauss_legendre(degree / 2 + 1, z, z_weights);
+    detail::gauss_legendre(degree / 2 + 1, z, z_weights);
     const int azimuths = degree + 1;
     SphereQuadrature q;
     q.directions.reserve(z.size() * static_cast<std::size_t>(azimuths));

@@ -1,66 +1,12 @@
 #include <alpenglow/sh/rotate.hpp>
 
+#include "rotation_tables.hpp"
+
 #include <array>
 #include <cmath>
-#include <cstdlib>
 
 namespace alpenglow::sh {
 namespace {
-
-// Ivanic and Ruedenberg's recursion for one band from the band before, in the basis without Condon-Shortley phase.
-class Recursion {
-public:
-    // r[i+1][j+1]: the direction matrix in the axis order y, z, x, which is the order of band 1.
-    Recursion(const double (&r)[3][3], const double* previous, int l) : r_(r), previous_(previous), l_(l) {}
-
-    [[nodiscard]] double element(int m, int n) const {
-        const int am = std::abs(m);
-        const double denominator =
-            std::abs(n) == l_ ? 2.0 * l_ * (2.0 * l_ - 1.0) : static_cast<double>((l_ + n) * (l_ - n));
-        const double u = std::sqrt((l_ + m) * (l_ - m) / denominator);
-        const double v =
-            0.5 * std::sqrt((m == 0 ? 2.0 : 1.0) * (l_ + am - 1) * (l_ + am) / denominator) * (m == 0 ? -1.0 : 1.0);
-        const double w = m == 0 ? 0.0 : -0.5 * std::sqrt((l_ - am - 1) * (l_ - am) / denominator);
-        double sum = 0.0;
-        if (u != 0.0) {
-            sum += u * p(0, m, n);
-        }
-        if (v != 0.0) {
-            sum += v * big_v(m, n);
-        }
-        if (w != 0.0) {
-            sum += w * (m > 0 ? p(1, m + 1, n) + p(-1, -m - 1, n) : p(1, m - 1, n) - p(-1, -m + 1, n));
-        }
-        return sum;
-    }
-
-private:
-    [[nodiscard]] double at(int m, int n) const { return previous_[(m + l_ - 1) * (2 * l_ - 1) + n + l_ - 1]; }
-    [[nodiscard]] double r(int i, int j) const { return r_[i + 1][j + 1]; }
-    [[nodiscard]] double p(int i, int m, int n) const {
-        if (n == l_) {
-            return r(i, 1) * at(m, l_ - 1) - r(i, -1) * at(m, -l_ + 1);
-        }
-        if (n == -l_) {
-            return r(i, 1) * at(m, -l_ + 1) + r(i, -1) * at(m, l_ - 1);
-        }
-        return r(i, 0) * at(m, n);
-    }
-    [[nodiscard]] double big_v(int m, int n) const {
-        const double sqrt2 = std::sqrt(2.0);
-        if (m == 0) {
-            return p(1, 1, n) + p(-1, -1, n);
-        }
-        if (m > 0) {
-            return m == 1 ? sqrt2 * p(1, 0, n) : p(1, m - 1, n) - p(-1, -m + 1, n);
-        }
-        return m == -1 ? sqrt2 * p(-1, 0, n) : p(1, m + 1, n) + p(-1, -m - 1, n);
-    }
-
-    const double (&r_)[3][3];
-    const double* previous_;
-    int l_;
-};
 
 glm::dmat3 matrix_of(const glm::dquat& q) {
     const double norm2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
@@ -134,25 +80,7 @@ Rotation::Rotation(int order, const glm::dmat3& d) : order_(order) {
             r[i][j] = d[axis[j]][axis[i]];
         }
     }
-    elements_[0] = 1.0;
-    for (int l = 1; l < order; ++l) {
-        double* band = elements_.data() + band_offset(l);
-        const Recursion recursion(r, elements_.data() + band_offset(l - 1), l);
-        for (int m = -l; m <= l; ++m) {
-            for (int n = -l; n <= l; ++n) {
-                *band++ = l == 1 ? r[m + 1][n + 1] : recursion.element(m, n);
-            }
-        }
-    }
-    // To the basis with phase: (-1)^m on both sides.
-    for (int l = 1; l < order; ++l) {
-        double* band = elements_.data() + band_offset(l);
-        for (int m = -l; m <= l; ++m) {
-            for (int n = -l; n <= l; ++n, ++band) {
-                *band = (m + n) % 2 != 0 ? -*band : *band;
-            }
-        }
-    }
+    detail::rotation_blocks(order, r, elements_.data());
 }
 
 void Rotation::apply(std::span<const double> in, std::span<double> out) const noexcept {

@@ -30,6 +30,8 @@ struct BasisTables {
     double seed[max_order] = {};
     double a[max_order][max_order] = {};
     double b[max_order][max_order] = {};
+    // Q_l^m = z^((l-m) mod 2) * sum_k poly[l][m][k] z^(2k)
+    double poly[max_order][max_order][max_order / 2] = {};
 };
 
 constexpr BasisTables make_basis_tables() {
@@ -47,6 +49,15 @@ constexpr BasisTables make_basis_tables() {
             const double k2 = (l - 1.0) * (l - 1.0);
             t.a[l][m] = constexpr_sqrt((4.0 * l2 - 1.0) / (l2 - m2));
             t.b[l][m] = l == m + 1 ? 0.0 : t.a[l][m] * constexpr_sqrt((k2 - m2) / (4.0 * k2 - 1.0));
+        }
+        t.poly[m][m][0] = t.seed[m];
+        for (int l = m + 1; l < max_order; ++l) {
+            const bool even = (l - m) % 2 == 0;
+            for (int k = 0; k < max_order / 2; ++k) {
+                // Multiplying by z turns the odd polynomial's power k into the even one's k + 1.
+                const double raised = even ? (k > 0 ? t.poly[l - 1][m][k - 1] : 0.0) : t.poly[l - 1][m][k];
+                t.poly[l][m][k] = t.a[l][m] * raised - (l > m + 1 ? t.b[l][m] * t.poly[l - 2][m][k] : 0.0);
+            }
         }
     }
     return t;
