@@ -5,6 +5,7 @@
 #include <alpenglow/ephemeris/celestial.hpp>
 #include <alpenglow/ephemeris/course.hpp>
 #include <alpenglow/ephemeris/frames.hpp>
+#include <alpenglow/ephemeris/geocentric_cache.hpp>
 #include <alpenglow/ephemeris/series.hpp>
 #include <alpenglow/ephemeris/time.hpp>
 
@@ -154,6 +155,31 @@ const Case geocentric_moon("ephemeris/moon, geocentric", [](const Context& conte
     run_case(context, "moon, geocentric apparent", methods);
 });
 
+// Direction and rotation of everything geocentric, for a clock at 1000x and 60 frames a second: a span serves 1296
+// frames.
+const Case cubic("ephemeris/cubic cache", [](const Context& context) {
+    const std::vector<double> tt = instants(context.quick());
+    std::vector<glm::dvec3> series;
+    std::vector<glm::dvec3> cached;
+    GeocentricCache cache;
+    for (const double s : tt) {
+        series.push_back(geocentric(julian_centuries(s)).moon_m);
+        cached.push_back(cache.at(s).moon_m);
+    }
+    const std::string name = "sun, moon, lunar axes, precession, nutation; geocentric";
+    double clock = 0.0;
+    Row row = row_of(name, "cubic cache, 1000x clock");
+    row.error = worst_arcseconds(cached, series);
+    row.error_metric = "max arcseconds of the moon, 1900 to 2100";
+    row.reference = "the series";
+    row.bytes = sizeof(GeocentricCache);
+    context.run(row, [&] { keep(cache.at(clock += 1000.0 / 60.0)); });
+    row = row_of(name, "truncated VSOP87 and ELP 2000-82");
+    row.error_metric = "max arcseconds of the moon, 1900 to 2100";
+    row.reference = "the series";
+    context.run(row, [&] { keep(geocentric(julian_centuries(clock += 1000.0 / 60.0))); });
+});
+
 // The larger error of sun and moon over the local horizon, with everything that the component holds or the course
 // computes.
 const Case local("ephemeris/sun and moon, local", [](const Context& context) {
@@ -175,6 +201,12 @@ const Case local("ephemeris/sun and moon, local", [](const Context& context) {
                                           const CelestialState s = evaluate(observer, utc, delta_t_s(utc));
                                           return Both{glm::dvec3(s.to_sun), glm::dvec3(s.to_moon)};
                                       }}};
+    GeocentricCache cache;
+    methods.push_back({"evaluate, cubic cache", [observer, &cache](double utc) {
+                           const double delta_t = delta_t_s(utc);
+                           const CelestialState s = evaluate(observer, utc, delta_t, cache.at(utc + delta_t));
+                           return Both{glm::dvec3(s.to_sun), glm::dvec3(s.to_moon)};
+                       }});
 #ifdef ALPENGLOW_HAVE_ERFA
     methods.push_back({"ERFA (reference)", [observer](double utc) {
                            const test::ErfaTopocentric e = test::erfa_topocentric(
@@ -198,8 +230,9 @@ const Case local("ephemeris/sun and moon, local", [](const Context& context) {
             std::max(worst_arcseconds(evaluate_all(utc, [&](double s) { return method.directions(s)[0]; }), suns),
                      worst_arcseconds(evaluate_all(utc, [&](double s) { return method.directions(s)[1]; }), moons));
 #endif
-        Clock clock(utc);
-        context.run(row, [&] { keep(method.directions(clock.next())); });
+        // Frames of a clock at 1000x and 60 frames a second.
+        double clock = 0.0;
+        context.run(row, [&] { keep(method.directions(clock += 1000.0 / 60.0)); });
     }
 });
 

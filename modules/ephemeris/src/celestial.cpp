@@ -2,7 +2,6 @@
 
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/ephemeris/frames.hpp>
-#include <alpenglow/ephemeris/series.hpp>
 #include <alpenglow/ephemeris/time.hpp>
 
 #include "quiet.hpp"
@@ -60,11 +59,9 @@ Status check_inputs(const Observer& o, const WorldClock& clock) {
     return Ok{};
 }
 
-Topocentric topocentric(const Observer& observer, double utc_j2000_s, double delta_t_s) {
+Topocentric topocentric(const Observer& observer, double utc_j2000_s, double delta_t_s, const Geocentric& g) {
     assert(in_range(utc_j2000_s) && within(observer.latitude_rad, -0.5 * pi, 0.5 * pi));
     const double tt_j2000_s = utc_j2000_s + delta_t_s;
-    const double t = julian_centuries(tt_j2000_s);
-    const Geocentric g = geocentric(t);
     const double sidereal = greenwich_mean_sidereal_time_rad(utc_j2000_s, tt_j2000_s) + g.equation_of_equinoxes_rad +
                             observer.longitude_rad;
     const glm::dmat3 local_from_true = local_from_equatorial_of_date(observer.latitude_rad, sidereal);
@@ -72,13 +69,21 @@ Topocentric topocentric(const Observer& observer, double utc_j2000_s, double del
     Topocentric result;
     result.sun_m = local_from_true * g.sun_m - here;
     result.moon_m = local_from_true * g.moon_m - here;
-    result.local_from_equatorial = local_from_true * (g.true_from_mean * date_from_j2000(t));
+    result.local_from_equatorial = local_from_true * g.true_from_j2000;
     result.local_from_moon = local_from_true * g.equatorial_from_moon;
     return result;
 }
 
+Topocentric topocentric(const Observer& observer, double utc_j2000_s, double delta_t_s) {
+    return topocentric(observer, utc_j2000_s, delta_t_s, geocentric(julian_centuries(utc_j2000_s + delta_t_s)));
+}
+
 CelestialState evaluate(const Observer& observer, double utc_j2000_s, double delta_t_s) {
-    const Topocentric now = topocentric(observer, utc_j2000_s, delta_t_s);
+    return evaluate(observer, utc_j2000_s, delta_t_s, geocentric(julian_centuries(utc_j2000_s + delta_t_s)));
+}
+
+CelestialState evaluate(const Observer& observer, double utc_j2000_s, double delta_t_s, const Geocentric& g) {
+    const Topocentric now = topocentric(observer, utc_j2000_s, delta_t_s, g);
     CelestialState state;
     state.sun_distance_m = glm::length(now.sun_m);
     state.moon_distance_m = glm::length(now.moon_m);

@@ -289,7 +289,7 @@ Geocentric geocentric(double t) {
     g.moon_m = position(moon_series(t));
     g.equatorial_from_moon =
         equatorial_from_ecliptic * rotation_z(a.l - a.f) * rotation_x(-inclination) * rotation_z(a.f + pi);
-    g.true_from_mean = equatorial_from_ecliptic * rotation_x(-mean_obliquity);
+    g.true_from_j2000 = equatorial_from_ecliptic * rotation_x(-mean_obliquity) * date_from_j2000(t);
     const double node = degree_rad * (125.04455501 - 1934.1362619 * t);
     g.equation_of_equinoxes_rad = n.longitude_rad * std::cos(obliquity) + arcsecond_rad * 0.00264 * std::sin(node);
     return g;

@@ -11,6 +11,7 @@
 #include <alpenglow/core/timing.hpp>
 #include <alpenglow/ecs/registry_concept.hpp>
 #include <alpenglow/ephemeris/celestial.hpp>
+#include <alpenglow/ephemeris/geocentric_cache.hpp>
 #include <alpenglow/systems/frame.hpp>
 
 namespace alpenglow {
@@ -18,13 +19,15 @@ namespace alpenglow {
 // For every entity with WorldClock, Observer and CelestialState: recomputes the state when a direction in it could be
 // off by more than Observer::max_error_rad (a negative or NaN limit means 0: whenever an input changed). Inputs that
 // ephemeris::check_inputs refuses leave the last valid state as it is. error_bound: radians, over the states left alone
-// whose inputs are valid. Recomputing raises the state's revision by one.
+// whose inputs are valid. Recomputing raises the state's revision by one. Sun and
+// moon come from a GeocentricCache in the registry's context (1.5e-8 rad from ephemeris::evaluate).
 template <Registry R>
 SystemReport update_ephemeris(R& registry, const Frame&) {
     SystemReport report{.system = "ephemeris"};
     const double start = thread_cpu_seconds();
+    auto& cache = registry.ctx().template emplace<ephemeris::GeocentricCache>();
     registry.template view<const WorldClock, const Observer, CelestialState>().each(
-        [&report](auto, const WorldClock& clock, const Observer& observer, CelestialState& state) {
+        [&report, &cache](auto, const WorldClock& clock, const Observer& observer, CelestialState& state) {
             ++report.considered;
             if (!ephemeris::inputs_valid(observer, clock)) {
                 ++report.skipped;
@@ -39,7 +42,8 @@ SystemReport update_ephemeris(R& registry, const Frame&) {
                 return;
             }
             const std::uint32_t revision = state.revision;
-            state = ephemeris::evaluate(observer, clock.utc_j2000_s, delta_t_s);
+            state =
+                ephemeris::evaluate(observer, clock.utc_j2000_s, delta_t_s, cache.at(clock.utc_j2000_s + delta_t_s));
             state.revision = revision + 1;
             ++report.updated;
         });

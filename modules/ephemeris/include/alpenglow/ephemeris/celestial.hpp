@@ -7,6 +7,7 @@
 #include <alpenglow/components/celestial.hpp>
 #include <alpenglow/components/observer.hpp>
 #include <alpenglow/core/result.hpp>
+#include <alpenglow/ephemeris/series.hpp>
 
 namespace alpenglow::ephemeris {
 
@@ -32,9 +33,15 @@ struct Topocentric {
 };
 // Precondition: inputs_valid for these values.
 [[nodiscard]] Topocentric topocentric(const Observer& observer, double utc_j2000_s, double delta_t_s);
+// The same from positions that the caller has, of the instant utc_j2000_s + delta_t_s (GeocentricCache, another
+// theory).
+[[nodiscard]] Topocentric topocentric(const Observer& observer, double utc_j2000_s, double delta_t_s,
+                                      const Geocentric& positions);
 
 // The component: directions rounded to float (6e-8 rad), made_from_* filled in, revision 0. Same precondition.
 [[nodiscard]] CelestialState evaluate(const Observer& observer, double utc_j2000_s, double delta_t_s);
+[[nodiscard]] CelestialState evaluate(const Observer& observer, double utc_j2000_s, double delta_t_s,
+                                      const Geocentric& positions);
 
 // An upper bound in radians on how far any direction of `state` (sun, moon, star, lunar axis) is from what evaluate
 // would give now, from the inputs alone and without evaluating: rates of the Earth's rotation and the moon's motion,

@@ -26,7 +26,7 @@ struct Geocentric {
     glm::dvec3 sun_m{0.0};
     glm::dvec3 moon_m{0.0};
     glm::dmat3 equatorial_from_moon{1.0};
-    glm::dmat3 true_from_mean{1.0};         // nutation: mean -> true equator and equinox of date
+    glm::dmat3 true_from_j2000{1.0};        // precession and nutation: mean equator of J2000 -> true equator of date
     double equation_of_equinoxes_rad = 0.0; // apparent minus mean sidereal time
 };
 [[nodiscard]] Geocentric geocentric(double t);
