@@ -11,6 +11,7 @@
 
 #ifdef ALPENGLOW_HAVE_ERFA
 #include "erfa_reference.hpp"
+#include "moon_reference.hpp"
 #endif
 
 #include <algorithm>
@@ -88,26 +89,37 @@ struct Method {
     double bytes;
 };
 
-// One case: all methods against the last one, which is ERFA where the build found it.
-void run_case(const Context& context, const std::string& name, const std::vector<Method>& methods) {
-    const std::vector<double> utc = instants(context.quick());
-#ifdef ALPENGLOW_HAVE_ERFA
-    const std::vector<glm::dvec3> reference = evaluate_all(utc, methods.back().direction);
-    const std::string reference_name = "ERFA 2.0: eraEpv00, eraMoon98, IAU 2006/2000A";
-#else
-    const std::vector<glm::dvec3> reference;
-    const std::string reference_name = "none: built without ERFA";
-#endif
+// One case: all methods at `tt` against `reference` (none where the build found no ERFA).
+void run_case(const Context& context, const std::string& name, const std::vector<Method>& methods,
+              const std::vector<double>& tt, const std::vector<glm::dvec3>& reference,
+              const std::string& reference_name) {
     for (const Method& method : methods) {
         Row row = row_of(name, method.name);
-        row.error_metric = "max arcseconds, 1900 to 2100";
-        row.reference = reference_name;
+        row.error_metric = "max arcseconds, " + std::to_string(tt.size()) + " instants 1900 to 2100";
+        row.reference = reference.empty() ? "none: built without ERFA" : reference_name;
         row.bytes = method.bytes;
-        row.error = reference.empty() ? no_reference : worst_arcseconds(evaluate_all(utc, method.direction), reference);
-        Clock clock(utc);
+        row.error = reference.empty() ? no_reference : worst_arcseconds(evaluate_all(tt, method.direction), reference);
+        Clock clock(tt);
         context.run(row, [&] { keep(method.direction(clock.next())); });
     }
 }
+
+#ifdef ALPENGLOW_HAVE_ERFA
+// The whole of ELP/MPP02 at the instants of the samples, in the true equator of date (ERFA's precession and nutation).
+struct MoonReference {
+    std::vector<double> tt;
+    std::vector<glm::dvec3> moon_m;
+};
+MoonReference moon_reference() {
+    MoonReference r;
+    for (const test::MoonSample& sample : test::moon_samples) {
+        const test::SeenMoon seen = test::seen(sample);
+        r.tt.push_back(seen.tt_j2000_s);
+        r.moon_m.push_back(test::erfa_true_from_gcrs(seen.tt_j2000_s) * seen.position_m);
+    }
+    return r;
+}
+#endif
 
 const Case geocentric_sun("ephemeris/sun, geocentric", [](const Context& context) {
     std::vector<Method> methods{{"course series",
@@ -124,12 +136,17 @@ const Case geocentric_sun("ephemeris/sun, geocentric", [](const Context& context
                                      return rotation_x(mean_obliquity_rad(t) + n.obliquity_rad) *
                                             from_spherical(p.longitude_rad + n.longitude_rad, p.latitude_rad);
                                  },
-                                 1368.0}};
+                                 2088.0}};
 #ifdef ALPENGLOW_HAVE_ERFA
     methods.push_back(
         {"ERFA (reference)", [](double tt) { return test::erfa_true_from_gcrs(tt) * test::erfa_sun_gcrs_m(tt); }, 0.0});
 #endif
-    run_case(context, "sun, geocentric apparent", methods);
+    const std::vector<double> tt = instants(context.quick());
+    std::vector<glm::dvec3> reference;
+#ifdef ALPENGLOW_HAVE_ERFA
+    reference = evaluate_all(tt, methods.back().direction);
+#endif
+    run_case(context, "sun, geocentric apparent", methods, tt, reference, "ERFA 2.0: eraEpv00, IAU 2006/2000A");
 });
 
 const Case geocentric_moon("ephemeris/moon, geocentric", [](const Context& context) {
@@ -139,7 +156,16 @@ const Case geocentric_moon("ephemeris/moon, geocentric", [](const Context& conte
                                      return rotation_x(course::obliquity(t)) * course::rectangular(course::moon(t));
                                  },
                                  0.0},
-                                {"truncated ELP 2000-82",
+                                {"ELP/MPP02, 483 terms",
+                                 [](double tt) {
+                                     const double t = julian_centuries(tt);
+                                     const Nutation n = nutation(t);
+                                     const double obliquity = mean_obliquity_rad(t);
+                                     return rotation_x(obliquity + n.obliquity_rad) * rotation_z(n.longitude_rad) *
+                                            rotation_x(-obliquity) * date_from_j2000(t) * moon_elp_m(t);
+                                 },
+                                 8752.0},
+                                {"ELP 2000-82, Meeus ch. 47",
                                  [](double tt) {
                                      const double t = julian_centuries(tt);
                                      const EclipticPosition p = moon_series(t);
@@ -152,7 +178,14 @@ const Case geocentric_moon("ephemeris/moon, geocentric", [](const Context& conte
     methods.push_back({"ERFA (reference)",
                        [](double tt) { return test::erfa_true_from_gcrs(tt) * test::erfa_moon_gcrs_m(tt); }, 0.0});
 #endif
-    run_case(context, "moon, geocentric apparent", methods);
+    std::vector<double> tt = instants(context.quick());
+    std::vector<glm::dvec3> reference;
+#ifdef ALPENGLOW_HAVE_ERFA
+    const MoonReference whole = moon_reference();
+    tt = whole.tt;
+    reference = whole.moon_m;
+#endif
+    run_case(context, "moon, geocentric apparent", methods, tt, reference, "ELP/MPP02, all terms, fitted to DE405");
 });
 
 // Direction and rotation of everything geocentric, for a clock at 1000x and 60 frames a second: a span serves 1296
@@ -174,7 +207,7 @@ const Case cubic("ephemeris/cubic cache", [](const Context& context) {
     row.reference = "the series";
     row.bytes = sizeof(GeocentricCache);
     context.run(row, [&] { keep(cache.at(clock += 1000.0 / 60.0)); });
-    row = row_of(name, "truncated VSOP87 and ELP 2000-82");
+    row = row_of(name, "VSOP87 and ELP/MPP02, truncated");
     row.error_metric = "max arcseconds of the moon, 1900 to 2100";
     row.reference = "the series";
     context.run(row, [&] { keep(geocentric(julian_centuries(clock += 1000.0 / 60.0))); });
@@ -208,22 +241,33 @@ const Case local("ephemeris/sun and moon, local", [](const Context& context) {
                            return Both{glm::dvec3(s.to_sun), glm::dvec3(s.to_moon)};
                        }});
 #ifdef ALPENGLOW_HAVE_ERFA
-    methods.push_back({"ERFA (reference)", [observer](double utc) {
+    methods.push_back({"ERFA", [observer](double utc) {
                            const test::ErfaTopocentric e = test::erfa_topocentric(
                                utc, delta_t_s(utc), observer.latitude_rad, observer.longitude_rad, observer.height_m);
                            return Both{e.sun_m, e.moon_m};
                        }});
 #endif
-    const std::vector<double> utc = instants(context.quick());
 #ifdef ALPENGLOW_HAVE_ERFA
-    const auto& erfa = methods.back().directions;
-    const std::vector<glm::dvec3> suns = evaluate_all(utc, [&](double s) { return erfa(s)[0]; });
-    const std::vector<glm::dvec3> moons = evaluate_all(utc, [&](double s) { return erfa(s)[1]; });
+    std::vector<double> utc;
+    std::vector<glm::dvec3> suns;
+    std::vector<glm::dvec3> moons;
+    const MoonReference whole = moon_reference();
+    for (std::size_t i = 0; i < whole.tt.size(); ++i) {
+        // UTC whose delta T leads to this TT; delta T changes by less than 1e-5 s meanwhile.
+        const double delta_t = delta_t_s(whole.tt[i] - delta_t_s(whole.tt[i]));
+        utc.push_back(whole.tt[i] - delta_t);
+        const test::ErfaTopocentric e =
+            test::erfa_topocentric(utc[i], delta_t, observer.latitude_rad, observer.longitude_rad, observer.height_m);
+        suns.push_back(e.sun_m);
+        moons.push_back(test::erfa_local_from_true(utc[i], whole.tt[i], observer.latitude_rad, observer.longitude_rad) *
+                            whole.moon_m[i] -
+                        test::erfa_observer_local_m(observer.latitude_rad, observer.longitude_rad, observer.height_m));
+    }
 #endif
     for (const LocalMethod& method : methods) {
         Row row = row_of("sun and moon, topocentric, local axes", method.name);
-        row.error_metric = "max arcseconds of sun and moon, 1900 to 2100";
-        row.reference = "ERFA 2.0: eraEpv00, eraMoon98, IAU 2006/2000A, WGS84";
+        row.error_metric = "max arcseconds of sun and moon, 300 instants 1900 to 2100";
+        row.reference = "ERFA 2.0 with the moon of ELP/MPP02, all terms";
         row.error = no_reference;
 #ifdef ALPENGLOW_HAVE_ERFA
         row.error =

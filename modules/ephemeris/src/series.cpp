@@ -3,6 +3,8 @@
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/ephemeris/frames.hpp>
 
+#include "harmonics.hpp"
+
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -19,7 +21,7 @@ struct VsopTerm {
 };
 
 // Heliocentric longitude of the Earth, 1e-8 rad.
-constexpr std::array<VsopTerm, 33> earth_l0{{{3341656.0, 4.6692568, 6283.0758500},
+constexpr std::array<VsopTerm, 63> earth_l0{{{3341656.0, 4.6692568, 6283.0758500},
                                              {34894.0, 4.62610, 12566.15170},
                                              {3497.0, 2.7441, 5753.3849},
                                              {3418.0, 2.8289, 3.5231},
@@ -51,7 +53,37 @@ constexpr std::array<VsopTerm, 33> earth_l0{{{3341656.0, 4.6692568, 6283.0758500
                                              {103.0, 0.636, 4694.003},
                                              {102.0, 0.976, 15720.839},
                                              {102.0, 4.267, 7.114},
-                                             {99.0, 6.21, 2146.17}}};
+                                             {99.0, 6.21, 2146.17},
+                                             {98.0, 0.68, 155.42},
+                                             {86.0, 5.98, 161000.69},
+                                             {85.0, 1.30, 6275.96},
+                                             {85.0, 3.67, 71430.70},
+                                             {80.0, 1.81, 17260.15},
+                                             {79.0, 3.04, 12036.46},
+                                             {75.0, 1.76, 5088.63},
+                                             {74.0, 3.50, 3154.69},
+                                             {74.0, 4.68, 801.82},
+                                             {70.0, 0.83, 9437.76},
+                                             {62.0, 3.98, 8827.39},
+                                             {61.0, 1.82, 7084.90},
+                                             {57.0, 2.78, 6286.60},
+                                             {56.0, 4.39, 14143.50},
+                                             {56.0, 3.47, 6279.55},
+                                             {52.0, 0.19, 12139.55},
+                                             {52.0, 1.33, 1748.02},
+                                             {51.0, 0.28, 5856.48},
+                                             {49.0, 0.49, 1194.45},
+                                             {41.0, 5.37, 8429.24},
+                                             {41.0, 2.40, 19651.05},
+                                             {39.0, 6.17, 10447.39},
+                                             {37.0, 6.04, 10213.29},
+                                             {37.0, 2.57, 1059.38},
+                                             {36.0, 1.71, 2352.87},
+                                             {36.0, 1.78, 6812.77},
+                                             {33.0, 0.59, 17789.85},
+                                             {30.0, 0.44, 83996.85},
+                                             {30.0, 2.74, 1349.87},
+                                             {25.0, 3.16, 4690.48}}};
 constexpr std::array<VsopTerm, 8> earth_l1{{{206059.0, 2.678235, 6283.075850},
                                             {4303.0, 2.6351, 12566.1517},
                                             {425.0, 1.590, 3.523},
@@ -188,47 +220,6 @@ constexpr std::array<LatitudeTerm, 60> moon_b{
      {1, 0, 1, 1, -185},    {2, -1, -2, -1, 181},  {0, 1, 2, 1, -177},    {4, 0, -2, -1, 176},   {4, -1, -1, -1, 166},
      {1, 0, 1, -1, -164},   {4, 0, 1, -1, 132},    {1, 0, -1, -1, -119},  {4, -1, 0, -1, 115},   {2, -2, 0, 1, 107}}};
 
-// e^{i k angle} for k in -4 .. 4: a term's argument costs multiplications instead of a sine and a cosine.
-class Harmonics {
-public:
-    explicit Harmonics(double angle) {
-        const double c = std::cos(angle);
-        const double s = std::sin(angle);
-        re_[4] = 1.0;
-        im_[4] = 0.0;
-        for (std::size_t k = 1; k <= 4; ++k) {
-            re_[4 + k] = re_[3 + k] * c - im_[3 + k] * s;
-            im_[4 + k] = re_[3 + k] * s + im_[3 + k] * c;
-            re_[4 - k] = re_[4 + k];
-            im_[4 - k] = -im_[4 + k];
-        }
-    }
-    [[nodiscard]] double re(int k) const { return re_[static_cast<std::size_t>(4 + k)]; }
-    [[nodiscard]] double im(int k) const { return im_[static_cast<std::size_t>(4 + k)]; }
-
-private:
-    std::array<double, 9> re_{};
-    std::array<double, 9> im_{};
-};
-
-struct SineCosine {
-    double sine;
-    double cosine;
-};
-
-struct LunarHarmonics {
-    Harmonics d, m, m_moon, f;
-
-    template <class Term>
-    [[nodiscard]] SineCosine operator()(const Term& k) const {
-        const double ar = d.re(k.d) * m.re(k.m) - d.im(k.d) * m.im(k.m);
-        const double ai = d.re(k.d) * m.im(k.m) + d.im(k.d) * m.re(k.m);
-        const double br = m_moon.re(k.m_moon) * f.re(k.f) - m_moon.im(k.m_moon) * f.im(k.f);
-        const double bi = m_moon.re(k.m_moon) * f.im(k.f) + m_moon.im(k.m_moon) * f.re(k.f);
-        return {ar * bi + ai * br, ar * br - ai * bi};
-    }
-};
-
 } // namespace
 
 EclipticPosition sun_series(double t) {
@@ -247,7 +238,7 @@ EclipticPosition sun_series(double t) {
 
 EclipticPosition moon_series(double t) {
     const LunarArguments a = lunar_arguments(t);
-    const LunarHarmonics harmonics{Harmonics(a.d), Harmonics(a.m), Harmonics(a.m_moon), Harmonics(a.f)};
+    const LunarHarmonics harmonics{Harmonics<6>(a.d), Harmonics<6>(a.m), Harmonics<6>(a.m_moon), Harmonics<6>(a.f)};
     // Terms with the sun's anomaly shrink with the eccentricity of the Earth's orbit (Meeus, eq. 47.6).
     const double e = 1.0 + t * (-0.002516 + t * -0.0000074);
     const std::array<double, 3> eccentricity{1.0, e, e * e};
@@ -286,10 +277,10 @@ Geocentric geocentric(double t) {
     constexpr double inclination = 1.54242 * degree_rad;
     Geocentric g;
     g.sun_m = position(sun_series(t));
-    g.moon_m = position(moon_series(t));
     g.equatorial_from_moon =
         equatorial_from_ecliptic * rotation_z(a.l - a.f) * rotation_x(-inclination) * rotation_z(a.f + pi);
     g.true_from_j2000 = equatorial_from_ecliptic * rotation_x(-mean_obliquity) * date_from_j2000(t);
+    g.moon_m = g.true_from_j2000 * moon_elp_m(t);
     const double node = degree_rad * (125.04455501 - 1934.1362619 * t);
     g.equation_of_equinoxes_rad = n.longitude_rad * std::cos(obliquity) + arcsecond_rad * 0.00264 * std::sin(node);
     return g;

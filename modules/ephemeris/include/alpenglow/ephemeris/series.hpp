@@ -1,8 +1,6 @@
-// Sun and moon by truncated analytic theories: what update_ephemeris uses.
+// Sun and moon by truncated analytic theories.
 //
-// Sun: the largest terms of the Earth's VSOP87D (Bretagnon & Francou 1988; Meeus, Astronomical Algorithms, appendix
-// III) with annual aberration. Moon: the terms of ELP 2000-82 in Meeus's chapter 47 (Chapront-Touze & Chapront 1983),
-// light-time included. Errors over 1900 to 2100 stand in docs/ephemeris.md.
+// Errors over 1900 to 2100 stand in docs/ephemeris.md. T is in Julian centuries since J2000, TT.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -10,18 +8,26 @@
 
 namespace alpenglow::ephemeris {
 
-// Apparent ecliptic coordinates but for nutation: mean ecliptic and equinox of date. T in Julian centuries TT.
+// Apparent ecliptic coordinates but for nutation: mean ecliptic and equinox of date.
 struct EclipticPosition {
     double longitude_rad = 0.0; // any number of turns
     double latitude_rad = 0.0;
     double distance_m = 0.0;
 };
+// The largest terms of the Earth's VSOP87D (Bretagnon & Francou 1988; Meeus, Astronomical Algorithms, appendix III),
+// with annual aberration.
 [[nodiscard]] EclipticPosition sun_series(double t);
+// Meeus, chapter 47: ELP 2000-82 (Chapront-Touze & Chapront 1983) with light-time. The theory of eraMoon98; 12
+// arcseconds from ELP/MPP02.
 [[nodiscard]] EclipticPosition moon_series(double t);
 
-// Sun and moon from the Earth's centre in the true equator and equinox of date, metres; and the moon's body axes
-// (x to the mean Earth, z its north pole; mean rotation by Cassini's laws, physical libration of up to 0.04 degrees
-// left out).
+// The moon from the Earth's centre in metres, mean equator and equinox of J2000, with light-time: ELP/MPP02 fitted to
+// DE405 (Chapront & Francou, A&A 404, 735, 2003), its terms above 0.05 arcseconds and 0.2 km.
+[[nodiscard]] glm::dvec3 moon_elp_m(double t);
+
+// Sun (sun_series) and moon (moon_elp_m) from the Earth's centre in the true equator and equinox of date, metres; and
+// the moon's body axes (x to the mean Earth, z its north pole; mean rotation by Cassini's laws, physical libration of
+// up to 0.04 degrees left out).
 struct Geocentric {
     glm::dvec3 sun_m{0.0};
     glm::dvec3 moon_m{0.0};
