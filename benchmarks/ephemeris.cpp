@@ -175,8 +175,8 @@ const Case geocentric_moon("ephemeris/moon, geocentric", [](const Context& conte
                                  },
                                  2400.0}};
 #ifdef ALPENGLOW_HAVE_ERFA
-    methods.push_back({"ERFA (reference)",
-                       [](double tt) { return test::erfa_true_from_gcrs(tt) * test::erfa_moon_gcrs_m(tt); }, 0.0});
+    methods.push_back(
+        {"ERFA, eraMoon98", [](double tt) { return test::erfa_true_from_gcrs(tt) * test::erfa_moon_gcrs_m(tt); }, 0.0});
 #endif
     std::vector<double> tt = instants(context.quick());
     std::vector<glm::dvec3> reference;

@@ -150,7 +150,7 @@ TEST(Celestial, TotalSolarEclipsesAreCentral) {
                              Eclipse{"2024-04-08T18:17:18Z", 25.0 + 17.4 / 60.0, -(104.0 + 8.3 / 60.0)}}) {
         const double utc = utc_of(e.utc);
         const Topocentric t = topocentric(at(e.latitude_deg, e.longitude_deg), utc, delta_t_s(utc));
-        EXPECT_LT(angle_between(t.sun_m, t.moon_m) / arcsecond_rad, 15.0) << e.utc;
+        EXPECT_LT(angle_between(t.sun_m, t.moon_m) / arcsecond_rad, 4.0) << e.utc;
         EXPECT_NEAR(state_at(at(e.latitude_deg, e.longitude_deg), utc).moon_illuminated_fraction, 0.0F, 1e-6F);
     }
 }

@@ -12,7 +12,7 @@
 namespace alpenglow::ephemeris {
 
 // Interpolates geocentric() by cubics through the four Chebyshev nodes of each span. Spans lie on a fixed grid, so the
-// result depends on the instant alone and not on what was asked before. The last four spans are kept (2.5 KiB).
+// result depends on the instant alone and not on what was asked before. The last four spans are kept (2.7 kB).
 class GeocentricCache {
 public:
     static constexpr double span_s = 21600.0;
