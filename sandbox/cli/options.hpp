@@ -7,7 +7,7 @@
 
 #include <alpenglow/core/result.hpp>
 
-#include "../scene/scene.hpp"
+#include "sandbox/scene/scene.hpp"
 
 namespace alpenglow::sandbox {
 

@@ -9,11 +9,10 @@
 
 #include <alpenglow/core/result.hpp>
 
-#include "../world/camera.hpp"
+#include "sandbox/world/camera.hpp"
+#include "sandbox/world/quality.hpp"
 
 namespace alpenglow::sandbox {
-
-enum class Quality { automatic, lean, full }; // automatic: lean on a CPU device, full on a GPU
 
 struct Scene {
     std::string name;

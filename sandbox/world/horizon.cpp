@@ -72,6 +72,7 @@ FarHulls far_hulls(const HeightGrid& grid, const HeightGrid& beyond, glm::vec2 a
     const glm::vec2 across(-along.y, along.x);
     const float half = 0.5F * grid.extent_m();
     const float half_far = 0.5F * beyond.extent_m();
+    const float step_m = beyond.spacing_m / std::max(std::abs(along.x), std::abs(along.y));
     FarHulls hulls;
     hulls.step_m = beyond.spacing_m;
     const int count = 2 * static_cast<int>(std::ceil(1.42F * half / hulls.step_m)) + 1;
@@ -81,7 +82,9 @@ FarHulls far_hulls(const HeightGrid& grid, const HeightGrid& beyond, glm::vec2 a
         for (std::size_t line = begin; line < end; ++line) {
             const float offset = hulls.first_m + hulls.step_m * static_cast<float>(line);
             Hull hull(hulls.lines[line]);
-            for (float s = 1.42F * half_far; s > 0.0F; s -= beyond.spacing_m) {
+            // Steps that meet the samples where the azimuth does.
+            for (auto k = static_cast<int>(1.42F * half_far / step_m); k > 0; --k) {
+                const float s = step_m * static_cast<float>(k);
                 const glm::vec2 p = s * along + offset * across;
                 const float reach = std::max(std::abs(p.x), std::abs(p.y));
                 if (reach <= half) {
@@ -212,8 +215,11 @@ std::vector<float> sweep_horizon(const HeightGrid& grid, int azimuth, const Heig
                                             static_cast<int>(far.lines.size()) - 1);
                 // The far hull measures from the centre; this line measures steps along itself.
                 const float zero = (unit.x * p.x + unit.y * p.y) - sign * step_m * static_cast<float>(first);
+                const float farthest = sign * step_m * static_cast<float>(f.sign > 0 ? last : first);
                 for (const Point point : far.lines[static_cast<std::size_t>(near)]) {
-                    storage.push_back({point.s - zero, point.h});
+                    if (point.s - zero > farthest) { // a far line may pass beside a corner
+                        storage.push_back({point.s - zero, point.h});
+                    }
                 }
             }
             Hull hull(storage);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
@@ -37,15 +38,25 @@ struct ObjectInstance {
 };
 
 // A soft shadow that objects throw on the ground: small grids draped over the terrain; `shade` is the fraction of the
-// sun's disc that is hidden, 0..1. Alpha-blended over terrain as a loss of direct sunlight.
+// disc of the stronger of sun and moon that is hidden, 0..1. Multiplied into the terrain as a loss of that light.
 struct ShadowVertex {
     glm::vec3 position_m;
     float shade;
 };
 
+// Vertices of the terrain that form a square grid, row by row from the south-west: the renderer keeps them as an image,
+// so that the ground's relief shows where triangles are coarse.
+struct TerrainGrid {
+    std::uint32_t first_vertex = 0;          // in WorldData::terrain.vertices
+    std::uint32_t samples = 0;               // a side
+    float spacing_m = 0.0F;
+    glm::vec2 origin_m{0.0F};                // of the first vertex
+};
+
 // What stays for the whole scene.
 struct WorldData {
     MeshData terrain; // all vertices; indices hold the coarse default
+    std::vector<TerrainGrid> terrain_grids; // outer first
     std::vector<MeshData> object_meshes;
     std::vector<ObjectInstance> objects; // sorted by mesh
 };
@@ -71,13 +82,13 @@ struct FrameData {
     float moon_angular_radius_rad = 4.5e-3F;
     // Irradiance of sky (and ground bounce) as the quadratic form n^T M n, n = (x, y, z, 1), for R, G, B, in lux.
     std::array<glm::mat4, 3> irradiance_matrix{};
-    // Aerial perspective: sea-level extinction of molecules and aerosol per metre (RGB), scale heights, and the
-    // radiance that distant air saturates to, away from the sun and its extra towards the sun.
+    // Aerial perspective: sea-level extinction of molecules and aerosol per metre (RGB) and scale heights. Distant air
+    // saturates to the radiance of the sky's horizon in its azimuth, from sky_vertices.
     glm::vec3 rayleigh_per_m{5.8e-6F, 13.5e-6F, 33.1e-6F};
     glm::vec3 mie_per_m{2.0e-5F};
     float rayleigh_height_m = 8000.0F;
     float mie_height_m = 1200.0F;
-    glm::vec3 air_radiance_cd_m2{0.0F}; // isotropic part of the in-scattered light at saturation (sky SH average)
+    glm::vec3 air_radiance_cd_m2{0.0F}; // saturated air where sky_vertices is empty
     // Terrain level of detail: indices into WorldData::terrain.vertices.
     std::span<const std::uint32_t> terrain_indices;
     std::uint32_t terrain_indices_revision = 0;

@@ -8,6 +8,12 @@ std::unique_ptr<World> build_world(std::uint32_t seed) {
     auto world = std::make_unique<World>();
     world->terrain = generate_terrain(seed);
     world->data.terrain = make_terrain_mesh(world->terrain);
+    std::uint32_t first_vertex = 0;
+    for (const HeightGrid* grid : {&world->terrain.outer, &world->terrain.inner}) {
+        world->data.terrain_grids.push_back(
+            {first_vertex, static_cast<std::uint32_t>(grid->n), grid->spacing_m, grid->origin_m});
+        first_vertex += static_cast<std::uint32_t>(grid->n * grid->n);
+    }
     for (std::uint32_t k = 0; k < object_kinds; ++k) {
         world->object_kinds.push_back(make_object_mesh(static_cast<ObjectKind>(k)));
         world->data.object_meshes.push_back(world->object_kinds.back().mesh);
