@@ -1,0 +1,400 @@
+#include <alpenglow/clouds/lighting.hpp>
+
+#include "fast_exp.hpp"
+#include "transport.hpp"
+
+#include <alpenglow/core/constants.hpp>
+#include <alpenglow/core/parallel_for.hpp>
+#include <alpenglow/core/timing.hpp>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace alpenglow::clouds {
+namespace {
+
+std::size_t band_of(int k) {
+    return std::size_t(k == 0 ? 0 : (k < 4 ? 1 : (k < 9 ? 2 : 3)));
+}
+
+float dot(const glm::vec3& a, const glm::vec3& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+} // namespace
+
+CloudLighting::CloudLighting() = default;
+CloudLighting::~CloudLighting() = default;
+CloudLighting::CloudLighting(CloudLighting&&) noexcept = default;
+CloudLighting& CloudLighting::operator=(CloudLighting&&) noexcept = default;
+
+void CloudLighting::reset(const BrickVolume& volume, const Medium& medium, const LightingSettings& settings) {
+    volume_ = &volume;
+    medium_ = medium;
+    settings_ = settings;
+    lights_.clear();
+    sky_.clear();
+    std::array<double, 4> chi{};
+    phase_moments(medium.phase, chi);
+    switch (settings.method) {
+    case LightingMethod::single_scattering:
+        table_ = std::make_shared<BeamTable>(BeamTable::single_scattering(medium));
+        break;
+    case LightingMethod::harris: {
+        Medium eye = medium;
+        eye.phase = settings.harris_phase;
+        phase_moments(eye.phase, chi);
+        table_ = std::make_shared<BeamTable>(BeamTable::single_scattering(eye));
+        break;
+    }
+    case LightingMethod::octaves:
+        table_ = std::make_shared<BeamTable>(BeamTable::octaves(medium, settings.octaves));
+        break;
+    case LightingMethod::transport:
+        table_ = std::make_shared<BeamTable>(BeamTable::broadened(medium));
+        break;
+    }
+    const bool ours = settings.method == LightingMethod::transport;
+    const ScaledMedium scaled = scaled_medium(medium);
+    eye_extinction_ = ours ? static_cast<float>(scaled.extinction) : 1.0F;
+    for (std::size_t l = 0; l < 4; ++l) {
+        view_weights_[l] =
+            static_cast<float>(ours ? scaled.albedo * scaled.moments[l] : double(medium.albedo) * chi[l]);
+    }
+    depth_lattice_ = lattice_over(volume, settings.depth_factor, 1, settings.max_depth_cells);
+    depth_density_ = volume.block_means(depth_lattice_.first, depth_lattice_.dims, depth_lattice_.factor);
+    const Lattice coarse = lattice_over(volume, settings.transport_factor, 1, settings.max_transport_cells);
+    const glm::vec3 block = glm::vec3(volume.transform().voxel_m) * static_cast<float>(coarse.factor);
+    transport_ = std::make_unique<Transport>(coarse, volume.block_means(coarse.first, coarse.dims, coarse.factor),
+                                             block, medium);
+}
+
+BakeStats CloudLighting::bake_light(std::size_t i, const DirectionalLight& light, bool warm) {
+    assert(volume_ != nullptr && i <= lights_.size());
+    BakeStats stats;
+    if (i == lights_.size()) {
+        lights_.emplace_back();
+    }
+    BakedLight& baked = lights_[i];
+    const glm::dvec3 local = volume_->transform().local_direction(glm::dvec3(light.to_light));
+    baked.to_light = glm::vec3(local / std::sqrt(local.x * local.x + local.y * local.y + local.z * local.z));
+    baked.irradiance = light.irradiance;
+    if (volume_->empty()) {
+        baked.depth = Field16(depth_lattice_, std::vector<float>(depth_lattice_.cells(), 0.0F));
+        return stats;
+    }
+    double start = process_cpu_seconds();
+    const glm::vec3 voxel(volume_->transform().voxel_m);
+    const glm::vec3 block = voxel * static_cast<float>(depth_lattice_.factor);
+    if (settings_.method == LightingMethod::harris) {
+        const float gain = medium_.albedo * phase_value(settings_.harris_phase, 0.0F);
+        baked.depth = Field16(depth_lattice_, harris_depth(depth_lattice_, depth_density_, block, baked.to_light,
+                                                           medium_.extinction_per_m, gain, settings_.harris_saturate));
+        stats.depth_s = process_cpu_seconds() - start;
+        return stats;
+    }
+    const float scaled_extinction = medium_.extinction_per_m * eye_extinction_;
+    LightDepth depth = light_depth(depth_lattice_, depth_density_, block, baked.to_light, scaled_extinction);
+    if (settings_.method != LightingMethod::transport) {
+        for (float& d : depth.depth) {
+            d = std::min(d * medium_.extinction_per_m, 4.0F * table_->max_depth());
+        }
+        baked.depth = Field16(depth_lattice_, depth.depth);
+        stats.depth_s = process_cpu_seconds() - start;
+        return stats;
+    }
+    // What the beam loses in each coarse cell, from the fine lattice: extinction times the beam at voxel centres,
+    // averaged along the light over the voxel, and the whole rescaled to what the columns say is lost. Without that 3
+    // to 8 % of the sun's energy would go missing.
+    const Lattice& coarse = transport_->lattice();
+    std::vector<float> deposit(coarse.cells(), 0.0F);
+    const float main = std::max({std::abs(baked.to_light.x / block.x), std::abs(baked.to_light.y / block.y),
+                                 std::abs(baked.to_light.z / block.z)});
+    const float thickness = 1.0F / main; // of a slab along the light
+    const float fine_volume = block.x * block.y * block.z;
+    const glm::vec3 coarse_block = voxel * static_cast<float>(coarse.factor);
+    const float share = fine_volume / (coarse_block.x * coarse_block.y * coarse_block.z);
+    double total = 0.0;
+    std::vector<int> coarse_x(static_cast<std::size_t>(depth_lattice_.dims.x));
+    const auto coarse_of = [&](int axis, int cell) {
+        const float centre = static_cast<float>(depth_lattice_.first[axis] + cell * depth_lattice_.factor) +
+                             0.5F * static_cast<float>(depth_lattice_.factor - 1);
+        return std::clamp(static_cast<int>(std::floor((centre - static_cast<float>(coarse.first[axis]) + 0.5F) /
+                                                      static_cast<float>(coarse.factor))),
+                          0, coarse.dims[axis] - 1);
+    };
+    for (int x = 0; x < depth_lattice_.dims.x; ++x) {
+        coarse_x[std::size_t(x)] = coarse_of(0, x);
+    }
+    std::vector<float> line(static_cast<std::size_t>(depth_lattice_.dims.x));
+    for (int z = 0; z < depth_lattice_.dims.z; ++z) {
+        for (int y = 0; y < depth_lattice_.dims.y; ++y) {
+            const std::size_t row = (std::size_t(z) * std::size_t(depth_lattice_.dims.y) + std::size_t(y)) *
+                                    std::size_t(depth_lattice_.dims.x);
+            float* to = deposit.data() +
+                        (std::size_t(coarse_of(2, z)) * std::size_t(coarse.dims.y) + std::size_t(coarse_of(1, y))) *
+                            std::size_t(coarse.dims.x);
+            for (std::size_t x = 0; x < line.size(); ++x) {
+                const float s = scaled_extinction * depth_density_[row + x];
+                const float half = 0.5F * s * thickness;
+                // Mean of exp(-depth) over the slab: e^-depth sinh(h)/h = (e^(h - depth) - e^(-h - depth)) / (2 h).
+                const float tau = scaled_extinction * depth.depth[row + x];
+                const float mean =
+                    half > 1e-2F
+                        ? (exp_negative(std::min(half - tau, 0.0F)) - exp_negative(-half - tau)) / (2.0F * half)
+                        : exp_negative(-tau);
+                line[x] = s * mean;
+            }
+            for (std::size_t x = 0; x < line.size(); ++x) {
+                to[coarse_x[x]] += line[x];
+                total += double(line[x]);
+            }
+        }
+    }
+    const auto rescale = static_cast<float>(total > 0.0 ? depth.removed_m2 / (total * double(fine_volume)) : 1.0);
+    for (std::size_t c = 0; c < deposit.size(); ++c) {
+        deposit[c] = transport_->extinction()[c] > 0.0F ? deposit[c] * share * rescale : 0.0F;
+    }
+    for (float& d : depth.depth) {
+        d = std::min(d * medium_.extinction_per_m, 4.0F * table_->max_depth());
+    }
+    baked.depth = Field16(depth_lattice_, depth.depth);
+    stats.depth_s = process_cpu_seconds() - start;
+    start = process_cpu_seconds();
+    if (!warm) {
+        baked.moments.clear();
+    }
+    const bool kept = !baked.moments.empty();
+    const Transport::Source source{deposit.data(), baked.to_light, nullptr};
+    stats.residual = transport_->solve(source, kept ? settings_.warm_sweeps : settings_.sweeps, baked.moments);
+    stats.transport_s = process_cpu_seconds() - start;
+    return stats;
+}
+
+void CloudLighting::remove_lights(std::size_t keep) {
+    if (keep < lights_.size()) {
+        lights_.resize(keep);
+    }
+}
+
+BakeStats CloudLighting::bake_sky(const SkySh& sky, bool warm) {
+    assert(volume_ != nullptr);
+    BakeStats stats;
+    const double start = process_cpu_seconds();
+    if (sky.bands == 0 || volume_->empty()) {
+        sky_.clear();
+        return stats;
+    }
+    if (settings_.method != LightingMethod::transport) {
+        bake_sky_directly(sky);
+        stats.transport_s = process_cpu_seconds() - start;
+        return stats;
+    }
+    // One solve does if all coefficients have one colour.
+    const glm::vec3 colour = sky.coefficients[0];
+    const float brightest = std::max({colour.x, colour.y, colour.z});
+    bool one = brightest > 0.0F;
+    for (int k = 1; one && k < sky.bands * sky.bands; ++k) {
+        const glm::vec3& c = sky.coefficients[std::size_t(k)];
+        const float scale = dot(c, colour) / dot(colour, colour);
+        const glm::vec3 off = c - colour * scale;
+        one = dot(off, off) <= 1e-6F * dot(colour, colour);
+    }
+    const std::size_t channels = one ? 1 : 3;
+    if (!warm || sky_.size() != channels) {
+        sky_.assign(channels, {});
+    }
+    sky_colour_ = one ? colour / brightest : glm::vec3(1.0F);
+    const Ordinate* table = ordinate_table();
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+        float inflow[ordinates];
+        for (int i = 0; i < ordinates; ++i) {
+            const glm::vec3 from(volume_->transform().axes * glm::dvec3(-table[i].direction));
+            const glm::vec3 rgb = sky.radiance(from);
+            const float value =
+                one ? dot(rgb, colour) / dot(colour, colour) * brightest : rgb[static_cast<int>(channel)];
+            inflow[i] = std::max(value, 0.0F);
+        }
+        const bool kept = !sky_[channel].empty();
+        const Transport::Source source{nullptr, {0, 0, 1}, inflow};
+        stats.residual = std::max(
+            stats.residual, transport_->solve(source, kept ? settings_.warm_sweeps : settings_.sweeps, sky_[channel]));
+    }
+    stats.transport_s = process_cpu_seconds() - start;
+    return stats;
+}
+
+// For the classic methods: skylight as many directional lights (course notes, 2.3.1), singly scattered, gathered as
+// moments.
+void CloudLighting::bake_sky_directly(const SkySh& sky) {
+    const Lattice& coarse = transport_->lattice();
+    const glm::vec3 block = glm::vec3(volume_->transform().voxel_m) * static_cast<float>(coarse.factor);
+    const std::vector<float> density = volume_->block_means(coarse.first, coarse.dims, coarse.factor);
+    sky_.assign(3, std::vector<float>(16 * transport_->active_count(), 0.0F));
+    sky_colour_ = glm::vec3(1.0F);
+    const int count = 24; // directions on a Fibonacci spiral
+    for (int i = 0; i < count; ++i) {
+        const double z = 1.0 - 2.0 * (i + 0.5) / count;
+        const double azimuth = pi * (3.0 - std::sqrt(5.0)) * i;
+        const double s = std::sqrt(1.0 - z * z);
+        const glm::vec3 to(glm::dvec3(s * std::cos(azimuth), s * std::sin(azimuth), z));
+        const glm::vec3 radiance =
+            sky.radiance(glm::vec3(volume_->transform().axes * glm::dvec3(to))) * static_cast<float>(4.0 * pi / count);
+        const LightDepth depth = light_depth(coarse, density, block, to, 1.0F);
+        float y[16];
+        sh_bands4(-to, y);
+        for (std::size_t cell = 0; cell < density.size(); ++cell) {
+            const std::int32_t a = transport_->active()[cell];
+            if (a >= 0) {
+                const float t = std::exp(-medium_.extinction_per_m * depth.depth[cell]);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    float* m = sky_[c].data() + 16 * std::size_t(a);
+                    for (std::size_t k = 0; k < 16; ++k) {
+                        m[k] += radiance[static_cast<int>(c)] * t * y[k];
+                    }
+                }
+            }
+        }
+    }
+}
+
+CloudLighting::ViewFields CloudLighting::contract(const glm::dvec3& eye) const {
+    ViewFields out;
+    if (volume_ == nullptr || transport_->active_count() == 0) {
+        return out;
+    }
+    struct Term {
+        const float* moments;
+        glm::vec3 colour;
+    };
+    std::vector<Term> terms;
+    for (const BakedLight& light : lights_) {
+        if (!light.moments.empty()) {
+            terms.push_back({light.moments.data(), light.irradiance});
+        }
+    }
+    for (std::size_t c = 0; c < sky_.size(); ++c) {
+        if (!sky_[c].empty()) {
+            terms.push_back({sky_[c].data(), sky_.size() == 1 ? sky_colour_
+                                                              : glm::vec3(c == 0 ? 1.0F : 0.0F, c == 1 ? 1.0F : 0.0F,
+                                                                          c == 2 ? 1.0F : 0.0F)});
+        }
+    }
+    if (terms.empty()) {
+        return out;
+    }
+    const glm::vec3 first = terms[0].colour;
+    const float strength = std::max({first.x, first.y, first.z, 1e-30F});
+    out.colour = first / strength;
+    bool one = true;
+    for (const Term& term : terms) {
+        const float scale = dot(term.colour, out.colour) / dot(out.colour, out.colour);
+        const glm::vec3 off = term.colour - out.colour * scale;
+        one = one && dot(off, off) <= 1e-6F * dot(term.colour, term.colour);
+    }
+    const std::size_t channels = one ? 1 : 3;
+    if (!one) {
+        out.colour = glm::vec3(1.0F);
+    }
+    const Lattice& lattice = transport_->lattice();
+    std::vector<std::vector<float>> values(channels, std::vector<float>(lattice.cells(), 0.0F));
+    const glm::vec3 voxel(volume_->transform().voxel_m);
+    const auto plane = std::size_t(lattice.dims.x) * std::size_t(lattice.dims.y);
+    float weights[16];
+    for (int k = 0; k < 16; ++k) {
+        weights[k] = view_weights_[band_of(k)];
+    }
+    parallel_for(std::size_t(lattice.dims.z), 4, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t cell = begin * plane; cell < end * plane; ++cell) {
+            const std::int32_t a = transport_->active()[cell];
+            if (a < 0) {
+                continue;
+            }
+            const glm::ivec3 c(static_cast<int>(cell % std::size_t(lattice.dims.x)),
+                               static_cast<int>(cell / std::size_t(lattice.dims.x) % std::size_t(lattice.dims.y)),
+                               static_cast<int>(cell / plane));
+            const glm::vec3 at = glm::vec3(lattice.first) + glm::vec3(c * lattice.factor) +
+                                 0.5F * static_cast<float>(lattice.factor - 1);
+            glm::vec3 towards_eye = (glm::vec3(eye) - at) * voxel;
+            const float length2 = dot(towards_eye, towards_eye);
+            towards_eye = length2 > 0.0F ? towards_eye / std::sqrt(length2) : glm::vec3(0.0F, 0.0F, 1.0F);
+            float y[16];
+            sh_bands4(towards_eye, y);
+            for (int k = 0; k < 16; ++k) {
+                y[k] *= weights[k];
+            }
+            glm::vec3 sum(0.0F);
+            for (const Term& term : terms) {
+                const float* m = term.moments + 16 * std::size_t(a);
+                float s = 0.0F;
+                for (int k = 0; k < 16; ++k) {
+                    s += y[k] * m[k];
+                }
+                sum += term.colour * s;
+            }
+            if (one) {
+                values[0][cell] = std::max(0.0F, dot(sum, out.colour) / dot(out.colour, out.colour));
+            } else {
+                for (std::size_t channel = 0; channel < 3; ++channel) {
+                    values[channel][cell] = std::max(0.0F, sum[static_cast<int>(channel)]);
+                }
+            }
+        }
+    });
+    for (const std::vector<float>& channel : values) {
+        out.fields.emplace_back(lattice, channel);
+    }
+    return out;
+}
+
+glm::vec3 CloudLighting::mean_radiance(const glm::vec3& index) const {
+    if (volume_ == nullptr || transport_->active_count() == 0) {
+        return glm::vec3(0.0F);
+    }
+    const Lattice& lattice = transport_->lattice();
+    glm::ivec3 cell;
+    for (int axis = 0; axis < 3; ++axis) {
+        cell[axis] =
+            std::clamp(static_cast<int>(std::floor((index[axis] - static_cast<float>(lattice.first[axis]) + 0.5F) /
+                                                   static_cast<float>(lattice.factor))),
+                       0, lattice.dims[axis] - 1);
+    }
+    const std::int32_t a =
+        transport_->active()[(std::size_t(cell.z) * std::size_t(lattice.dims.y) + std::size_t(cell.y)) *
+                                 std::size_t(lattice.dims.x) +
+                             std::size_t(cell.x)];
+    if (a < 0) {
+        return glm::vec3(0.0F);
+    }
+    constexpr float mean = 0.28209479F; // m_0 / Y_0 / (4 pi) = m_0 Y_0
+    glm::vec3 sum(0.0F);
+    for (const BakedLight& light : lights_) {
+        if (!light.moments.empty()) {
+            sum += light.irradiance * (light.moments[16 * std::size_t(a)] * mean);
+        }
+    }
+    for (std::size_t c = 0; c < sky_.size(); ++c) {
+        const float value = sky_[c][16 * std::size_t(a)] * mean;
+        if (sky_.size() == 1) {
+            sum += sky_colour_ * value;
+        } else {
+            sum[static_cast<int>(c)] += value;
+        }
+    }
+    return sum;
+}
+
+std::size_t CloudLighting::memory_bytes() const {
+    std::size_t bytes = depth_density_.size() * sizeof(float) + (transport_ ? transport_->memory_bytes() : 0) +
+                        table_->values().size() * sizeof(float);
+    for (const BakedLight& light : lights_) {
+        bytes += light.depth.memory_bytes() + light.moments.size() * sizeof(float);
+    }
+    for (const auto& sky : sky_) {
+        bytes += sky.size() * sizeof(float);
+    }
+    return bytes;
+}
+
+} // namespace alpenglow::clouds

@@ -1,0 +1,285 @@
+#include <alpenglow/clouds/optical_depth.hpp>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "optical_depth.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace alpenglow::clouds::HWY_NAMESPACE {
+
+// out[i] = bilinear value of rows a (v) and b (v + 1) at i and i + 1.
+void bilinear_row(const float* a, const float* b, float fu, float fv, float* out, int count) {
+    const float w00 = (1.0F - fu) * (1.0F - fv);
+    const float w10 = fu * (1.0F - fv);
+    const float w01 = (1.0F - fu) * fv;
+    const float w11 = fu * fv;
+    for (int i = 0; i < count; ++i) {
+        out[i] = w00 * a[i] + w10 * a[i + 1] + w01 * b[i] + w11 * b[i + 1];
+    }
+}
+
+// One slab of a row of columns: the density at the new slice, the depth by the trapezoid rule.
+void advance_row(const float* a, const float* b, float fu, float fv, float half_step, float* density, float* depth,
+                 int count) {
+    const float w00 = (1.0F - fu) * (1.0F - fv);
+    const float w10 = fu * (1.0F - fv);
+    const float w01 = (1.0F - fu) * fv;
+    const float w11 = fu * fv;
+    for (int i = 0; i < count; ++i) {
+        const float d = w00 * a[i] + w10 * a[i + 1] + w01 * b[i] + w11 * b[i + 1];
+        depth[i] += half_step * (density[i] + d);
+        density[i] = d;
+    }
+}
+
+} // namespace alpenglow::clouds::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+#include <alpenglow/core/parallel_for.hpp>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+
+namespace alpenglow::clouds {
+
+HWY_EXPORT(bilinear_row);
+HWY_EXPORT(advance_row);
+
+Lattice lattice_over(const BrickVolume& volume, int factor, int margin, std::size_t max_cells) {
+    Lattice lattice;
+    if (volume.active_voxels() == 0) {
+        lattice.dims = glm::ivec3(1);
+        return lattice;
+    }
+    for (lattice.factor = factor;; ++lattice.factor) {
+        const int f = lattice.factor;
+        const glm::ivec3 extent = volume.active_high() - volume.active_low() + 1;
+        lattice.dims = (extent + f - 1) / f + 2 * margin;
+        // Centred: the blocks' excess over the voxels lies on both sides.
+        lattice.first = volume.active_low() - margin * f - ((lattice.dims - 2 * margin) * f - extent) / 2;
+        if (lattice.cells() <= max_cells) {
+            return lattice;
+        }
+    }
+}
+
+Field16::Field16(const Lattice& on, const std::vector<float>& from) : lattice(on) {
+    assert(from.size() == on.cells());
+    const auto [low, high] = std::minmax_element(from.begin(), from.end());
+    offset = *low;
+    scale = (*high - *low) / 65535.0F;
+    values.assign(from.size() + 2, 0);
+    const float inverse = scale > 0.0F ? 1.0F / scale : 0.0F;
+    const float bottom = offset;
+    parallel_for(from.size(), 65536, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            values[i] = static_cast<std::uint16_t>(std::min((from[i] - bottom) * inverse + 0.5F, 65535.0F));
+        }
+    });
+}
+
+float Field16::sample(const glm::vec3& index) const {
+    const float half = 0.5F * static_cast<float>(lattice.factor - 1);
+    glm::ivec3 cell;
+    glm::vec3 t;
+    for (int a = 0; a < 3; ++a) {
+        const float p =
+            std::clamp((index[a] - static_cast<float>(lattice.first[a]) - half) / static_cast<float>(lattice.factor),
+                       0.0F, static_cast<float>(lattice.dims[a] - 1));
+        cell[a] = std::min(static_cast<int>(p), std::max(0, lattice.dims[a] - 2));
+        t[a] = p - static_cast<float>(cell[a]);
+    }
+    const std::size_t dx = lattice.dims.x > 1 ? 1 : 0;
+    const std::size_t dy = lattice.dims.y > 1 ? std::size_t(lattice.dims.x) : 0;
+    const std::size_t dz = lattice.dims.z > 1 ? std::size_t(lattice.dims.x) * std::size_t(lattice.dims.y) : 0;
+    const std::uint16_t* at =
+        values.data() +
+        (std::size_t(cell.z) * std::size_t(lattice.dims.y) + std::size_t(cell.y)) * std::size_t(lattice.dims.x) +
+        std::size_t(cell.x);
+    const auto lerp = [](float a, float b, float s) { return a + s * (b - a); };
+    const auto row = [&](std::size_t o) { return lerp(at[o], at[o + dx], t.x); };
+    return offset + scale * lerp(lerp(row(0), row(dy), t.y), lerp(row(dz), row(dy + dz), t.y), t.z);
+}
+
+namespace {
+
+// Walks the slices from the light's side. advance(rows a and b of the slice, fractions, last density, depth, count,
+// first slice?, metres a slab) moves a row of columns on. Returns the columns' depths behind the last slice and the
+// area of one.
+struct Columns {
+    std::vector<float> depth;
+    double area_m2;
+};
+
+template <class Advance>
+Columns sweep_columns(const Lattice& lattice, const std::vector<float>& density, const glm::vec3& block_m,
+                      const glm::vec3& to_light, std::vector<float>& out, Advance&& advance) {
+    assert(density.size() == lattice.cells());
+    out.resize(density.size());
+    // The light's direction in blocks a metre; the main axis and the two others, the faster one first.
+    const glm::vec3 d = to_light / block_m;
+    int axis = 0;
+    for (int a = 1; a < 3; ++a) {
+        if (std::abs(d[a]) > std::abs(d[axis])) {
+            axis = a;
+        }
+    }
+    const int ua = axis == 0 ? 1 : 0;
+    const int va = axis == 2 ? 1 : 2;
+    const float metres = 1.0F / std::abs(d[axis]); // along the light, a slice
+    const float su = d[ua] * metres;               // shift of a column towards the light, a slice
+    const float sv = d[va] * metres;
+    const int nu = lattice.dims[ua];
+    const int nv = lattice.dims[va];
+    const int na = lattice.dims[axis];
+    const std::size_t strides[3] = {1, std::size_t(lattice.dims.x),
+                                    std::size_t(lattice.dims.x) * std::size_t(lattice.dims.y)};
+
+    // Column (U, V) passes slice k (0 on the light's side) at u = U - su * k: U covers all that any slice needs.
+    const auto reach = [na](float s) { return s * static_cast<float>(na - 1); };
+    const int u0 = static_cast<int>(std::floor(std::min(0.0F, reach(su)))) - 2;
+    const int v0 = static_cast<int>(std::floor(std::min(0.0F, reach(sv)))) - 2;
+    const int columns_u = static_cast<int>(std::ceil(std::max(0.0F, reach(su)))) + nu + 3 - u0;
+    const int columns_v = static_cast<int>(std::ceil(std::max(0.0F, reach(sv)))) + nv + 3 - v0;
+    std::vector<float> depth(std::size_t(columns_u) * std::size_t(columns_v), 0.0F);
+    std::vector<float> last(depth.size(), 0.0F);
+    // A slice with a border of zeros wide enough for columns that are one slab past it.
+    const int border = 4;
+    const int row = nu + 2 * border;
+    std::vector<float> slice(std::size_t(row) * std::size_t(nv + 2 * border), 0.0F);
+    std::vector<float> line(static_cast<std::size_t>(nu) + 8);
+
+    for (int k = 0; k < na; ++k) {
+        const std::size_t plane = std::size_t(d[axis] > 0.0F ? na - 1 - k : k) * strides[axis];
+        for (int v = 0; v < nv; ++v) {
+            const float* from = density.data() + plane + std::size_t(v) * strides[va];
+            float* to = slice.data() + std::size_t(v + border) * std::size_t(row) + border;
+            if (strides[ua] == 1) {
+                std::memcpy(to, from, std::size_t(nu) * sizeof(float));
+            } else {
+                for (int u = 0; u < nu; ++u) {
+                    to[u] = from[std::size_t(u) * strides[ua]];
+                }
+            }
+        }
+        const float shift_u = -su * static_cast<float>(k);
+        const float shift_v = -sv * static_cast<float>(k);
+        const auto iu = static_cast<int>(std::floor(shift_u));
+        const auto iv = static_cast<int>(std::floor(shift_v));
+        const float fu = shift_u - static_cast<float>(iu);
+        const float fv = shift_v - static_cast<float>(iv);
+        // Columns whose u = U + iu lies in -3 .. nu + 1: those that leave the slice drop to zero density there.
+        const int begin_u = std::max(u0, -3 - iu);
+        const int end_u = std::min(u0 + columns_u, nu + 2 - iu);
+        const int begin_v = std::max(v0, -3 - iv);
+        const int end_v = std::min(v0 + columns_v, nv + 2 - iv);
+        for (int v = begin_v; v < end_v; ++v) {
+            const float* a = slice.data() + std::size_t(v + iv + border) * std::size_t(row) + (begin_u + iu + border);
+            const std::size_t column = std::size_t(v - v0) * std::size_t(columns_u) + std::size_t(begin_u - u0);
+            advance(a, a + row, fu, fv, last.data() + column, depth.data() + column, end_u - begin_u, k, metres);
+        }
+        // Back at block centres: U = u - shift_u.
+        const auto ju = static_cast<int>(std::floor(-shift_u));
+        const auto jv = static_cast<int>(std::floor(-shift_v));
+        const float gu = -shift_u - static_cast<float>(ju);
+        const float gv = -shift_v - static_cast<float>(jv);
+        for (int v = 0; v < nv; ++v) {
+            const float* a = depth.data() + std::size_t(v + jv - v0) * std::size_t(columns_u) + std::size_t(ju - u0);
+            float* to = out.data() + plane + std::size_t(v) * strides[va];
+            if (strides[ua] == 1) {
+                HWY_DYNAMIC_DISPATCH(bilinear_row)(a, a + columns_u, gu, gv, to, nu);
+            } else {
+                HWY_DYNAMIC_DISPATCH(bilinear_row)(a, a + columns_u, gu, gv, line.data(), nu);
+                for (int u = 0; u < nu; ++u) {
+                    to[std::size_t(u) * strides[ua]] = line[std::size_t(u)];
+                }
+            }
+        }
+    }
+    const double area =
+        double(block_m[ua]) * double(block_m[va]) * double(std::abs(to_light[axis])); // across the light
+    return {std::move(depth), area};
+}
+
+} // namespace
+
+LightDepth light_depth(const Lattice& lattice, const std::vector<float>& density, const glm::vec3& block_m,
+                       const glm::vec3& to_light, float removal_per_density) {
+    LightDepth out;
+    const Columns columns = sweep_columns(lattice, density, block_m, to_light, out.depth,
+                                          [&](const float* a, const float* b, float fu, float fv, float* last,
+                                              float* depth, int count, int slice, float metres) {
+                                              HWY_DYNAMIC_DISPATCH(advance_row)
+                                              (a, b, fu, fv, slice == 0 ? 0.0F : 0.5F * metres, last, depth, count);
+                                          });
+    double removed = 0.0;
+    for (const float tau : columns.depth) {
+        removed -= std::expm1(-double(removal_per_density) * double(tau));
+    }
+    out.removed_m2 = removed * columns.area_m2;
+    return out;
+}
+
+std::vector<float> harris_depth(const Lattice& lattice, const std::vector<float>& density, const glm::vec3& block_m,
+                                const glm::vec3& to_light, float extinction_per_m, float gain, bool saturate) {
+    std::vector<float> out;
+    sweep_columns(lattice, density, block_m, to_light, out,
+                  [&](const float* a, const float* b, float fu, float fv, float* last, float* depth, int count, int,
+                      float metres) {
+                      // `last` holds the particle of the slice before; light reaches this one through it.
+                      for (int i = 0; i < count; ++i) {
+                          const float tau = extinction_per_m * metres * last[i];
+                          const float gained = depth[i] - std::log(std::max(gain * tau + std::exp(-tau), 1e-30F));
+                          depth[i] = std::clamp(gained, saturate ? 0.0F : -60.0F, 80.0F);
+                          last[i] = (1.0F - fu) * (1.0F - fv) * a[i] + fu * (1.0F - fv) * a[i + 1] +
+                                    (1.0F - fu) * fv * b[i] + fu * fv * b[i + 1];
+                      }
+                  });
+    return out;
+}
+
+void harris_incident(const float* tau, int count, double gain, double* incident) {
+    for (int k = 0; k < count; ++k) {
+        incident[k] = k == 0 ? 1.0 : (gain * double(tau[k - 1]) + std::exp(-double(tau[k - 1]))) * incident[k - 1];
+    }
+}
+
+double harris_exitant(const float* tau, const double* incident, int count, double albedo, double phase) {
+    double exitant = 0.0;
+    for (int k = 0; k < count; ++k) {
+        exitant = albedo * double(tau[k]) * phase * incident[k] + std::exp(-double(tau[k])) * exitant;
+    }
+    return exitant;
+}
+
+double marched_depth(const BrickVolume& volume, const glm::dvec3& index, const glm::vec3& to_light, double step) {
+    const glm::dvec3 voxel = volume.transform().voxel_m;
+    const glm::dvec3 d = glm::dvec3(to_light) / voxel; // voxels a metre
+    const double most = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    const double dt = step / most;
+    const glm::dvec3 low = volume.active_low() - 1;
+    const glm::dvec3 high = volume.active_high() + 1;
+    double sum = 0.0;
+    double before = double(volume.sample(glm::vec3(index)));
+    for (double t = dt;; t += dt) {
+        const glm::dvec3 p = index + d * t;
+        bool gone = false;
+        for (int a = 0; a < 3; ++a) {
+            gone = gone || (d[a] > 0.0 ? p[a] - d[a] * dt > high[a] : p[a] - d[a] * dt < low[a]);
+        }
+        if (gone) {
+            return sum;
+        }
+        const auto now = double(volume.sample(glm::vec3(p)));
+        sum += 0.5 * (before + now) * dt;
+        before = now;
+    }
+}
+
+} // namespace alpenglow::clouds
+#endif
