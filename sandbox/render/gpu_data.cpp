@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
+#include "sandbox/render/passes.hpp"
 #include "sandbox/render/sky_dome.hpp"
 
 namespace alpenglow::sandbox {
@@ -84,6 +85,35 @@ float moon_disc_mean_cosine(float cos_phase) {
     return 2.0F * (std::sin(phase) + (kPi - phase) * std::cos(phase)) / (3.0F * kPi);
 }
 
+bool moon_is_key(const FrameData& frame) {
+    const glm::vec3 weights(0.2126F, 0.7152F, 0.0722F);
+    return glm::dot(weights, frame.moon_illuminance_lux) > glm::dot(weights, frame.sun_illuminance_lux);
+}
+
+glm::mat4 shadow_from_relative(const FrameData& frame, std::uint32_t size_px) {
+    constexpr float kHalfWidth = 250.0F; // metres around the middle
+    constexpr float kHalfDepth = 1000.0F;
+    constexpr float kAhead = 150.0F;
+    const glm::vec3 key = moon_is_key(frame) ? frame.to_moon : frame.to_sun;
+    const glm::vec3 aside = std::abs(key.z) < 0.999F ? glm::vec3(0.0F, 0.0F, 1.0F) : glm::vec3(0.0F, 1.0F, 0.0F);
+    const glm::vec3 right = glm::normalize(glm::cross(aside, key));
+    const glm::vec3 up = glm::cross(key, right);
+    const glm::vec3 forward = -glm::vec3(frame.view[0][2], frame.view[1][2], frame.view[2][2]);
+    const glm::vec3 middle = frame.camera_m + kAhead * glm::vec3(forward.x, forward.y, 0.0F);
+    const float texel = 2.0F * kHalfWidth / static_cast<float>(size_px);
+    const auto snapped = [texel](float at) { return std::round(at / texel) * texel; };
+    // The map's middle relative to the camera, along the light's axes.
+    const float x = snapped(glm::dot(right, middle)) - glm::dot(right, frame.camera_m);
+    const float y = snapped(glm::dot(up, middle)) - glm::dot(up, frame.camera_m);
+    const float z = glm::dot(key, middle - frame.camera_m);
+    const glm::vec3 across = right / kHalfWidth;
+    const glm::vec3 upwards = up / kHalfWidth;
+    const glm::vec3 along = key / (2.0F * kHalfDepth); // 1 nearest to the light, 0 farthest
+    return {glm::vec4(across.x, upwards.x, along.x, 0.0F), glm::vec4(across.y, upwards.y, along.y, 0.0F),
+            glm::vec4(across.z, upwards.z, along.z, 0.0F),
+            glm::vec4(-x / kHalfWidth, -y / kHalfWidth, 0.5F - z / (2.0F * kHalfDepth), 1.0F)};
+}
+
 gpu::FrameBlock make_frame_block(const FrameData& frame, const SkyExtract& sky, std::uint32_t height_px) {
     gpu::FrameBlock block{};
     const float exposure = frame.exposure;
@@ -96,6 +126,8 @@ gpu::FrameBlock make_frame_block(const FrameData& frame, const SkyExtract& sky, 
     block.to_moon = with(frame.to_moon, frame.moon_angular_radius_rad);
     block.sun = with(frame.sun_illuminance_lux * (exposure / kPi), exposure);
     block.moon = with(frame.moon_illuminance_lux * (exposure / kPi), 0.0F);
+    block.key = moon_is_key(frame) ? with(frame.to_moon, 1.0F) : with(frame.to_sun, 0.0F);
+    block.shadow_from_relative = shadow_from_relative(frame, kShadowMapSize);
     const auto solid_angle = [](float radius) { return kPi * std::sin(radius) * std::sin(radius); };
     block.sun_disc = with(frame.sun_illuminance_lux * (exposure / solid_angle(frame.sun_angular_radius_rad)), 0.0F);
     const float lit = moon_disc_mean_cosine(-glm::dot(frame.to_moon, frame.to_sun));

@@ -16,7 +16,7 @@ namespace gpu {
 using glm::mat4;
 using glm::uvec4;
 using glm::vec4;
-#include <passes/frame_block.h>
+#include <shaders/passes/frame_block.h>
 
 // One visible object.
 struct Instance {
@@ -45,6 +45,13 @@ struct SkyExtract {
 // Mean over the disc of the cosine of the light's incidence on a Lambertian ball, at cos(phase angle): 2/3 when full, 0
 // when new: 2 (sin a + (pi - a) cos a) / (3 pi).
 [[nodiscard]] float moon_disc_mean_cosine(float cos_phase);
+
+// True if the moon gives more light than the sun: then it throws the shadows.
+[[nodiscard]] bool moon_is_key(const FrameData& frame);
+
+// From directions relative to the camera to the shadow map's clip space: an orthographic view along the key light,
+// around a place in front of the camera, moved in whole texels so that edges do not crawl.
+[[nodiscard]] glm::mat4 shadow_from_relative(const FrameData& frame, std::uint32_t size_px);
 
 [[nodiscard]] gpu::FrameBlock make_frame_block(const FrameData& frame, const SkyExtract& sky, std::uint32_t height_px);
 

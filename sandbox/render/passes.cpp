@@ -7,15 +7,23 @@
 #include "sandbox/render/gpu_data.hpp"
 
 #include <alpenglow_shaders/color.frag.hpp>
+#include <alpenglow_shaders/color_hdr.frag.hpp>
 #include <alpenglow_shaders/disc.vert.hpp>
 #include <alpenglow_shaders/hud.frag.hpp>
 #include <alpenglow_shaders/hud.vert.hpp>
 #include <alpenglow_shaders/moon.frag.hpp>
+#include <alpenglow_shaders/object_lean.vert.hpp>
+#include <alpenglow_shaders/resolve.frag.hpp>
+#include <alpenglow_shaders/resolve.vert.hpp>
 #include <alpenglow_shaders/shadow_decal.frag.hpp>
 #include <alpenglow_shaders/shadow_decal.vert.hpp>
+#include <alpenglow_shaders/shadow_map.vert.hpp>
 #include <alpenglow_shaders/sky.vert.hpp>
 #include <alpenglow_shaders/sun.frag.hpp>
-#include <alpenglow_shaders/surface_lean.vert.hpp>
+#include <alpenglow_shaders/surface_full.frag.hpp>
+#include <alpenglow_shaders/surface_full.vert.hpp>
+#include <alpenglow_shaders/terrain_lean.frag.hpp>
+#include <alpenglow_shaders/terrain_lean.vert.hpp>
 
 namespace alpenglow::sandbox {
 namespace {
@@ -43,21 +51,29 @@ constexpr std::array<VkVertexInputAttributeDescription, 2> kShadowAttributes{
     {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ShadowVertex, position_m)},
      {1, 0, VK_FORMAT_R32_SFLOAT, offsetof(ShadowVertex, shade)}}};
 
-// A pipeline as create_passes() lists it.
+// One shader of a pipeline.
+vulkan::ShaderSource vertex(std::span<const std::uint32_t> spirv, const char* file) {
+    return {VK_SHADER_STAGE_VERTEX_BIT, spirv, file};
+}
+vulkan::ShaderSource fragment(std::span<const std::uint32_t> spirv, const char* file) {
+    return {VK_SHADER_STAGE_FRAGMENT_BIT, spirv, file};
+}
+
+// A pipeline to be.
 struct Recipe {
-    vulkan::ShaderSource vertex, fragment;
-    std::vector<std::uint32_t> constants{};
-    vulkan::GraphicsPipelineOptions options{};
+    Passes::Name name;
+    std::vector<vulkan::ShaderSource> sources;
+    std::vector<std::uint32_t> constants;
+    vulkan::GraphicsPipelineOptions options;
 };
 
 Result<vulkan::ReloadablePipeline> cook(const vulkan::Device& device, Recipe recipe,
                                         const std::filesystem::path& shader_directory) {
-    for (vulkan::ShaderSource* source : {&recipe.vertex, &recipe.fragment}) {
-        source->file = shader_directory.empty() ? std::filesystem::path() : shader_directory / source->file;
+    for (vulkan::ShaderSource& source : recipe.sources) {
+        source.file = shader_directory.empty() ? std::filesystem::path() : shader_directory / source.file;
     }
-    std::vector<vulkan::ShaderSource> sources{recipe.vertex, recipe.fragment};
     return vulkan::ReloadablePipeline::create(
-        device, std::move(sources), {shader_directory},
+        device, std::move(recipe.sources), {shader_directory},
         [&device, options = recipe.options,
          constants = std::move(recipe.constants)](std::span<const vulkan::ShaderStage> stages) mutable {
             options.stages = stages;
@@ -66,59 +82,66 @@ Result<vulkan::ReloadablePipeline> cook(const vulkan::Device& device, Recipe rec
         });
 }
 
-} // namespace
-
-Result<Passes> create_passes(const vulkan::Device& device, Quality quality,
-                             const std::filesystem::path& shader_directory) {
-    Passes passes;
-    const VkDescriptorSetLayoutBinding block{0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1,
-                                             VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
-    const VkDescriptorSetLayoutBinding image{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1,
-                                             VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
-    Result<vulkan::DescriptorSetLayout> frame_set = vulkan::create_descriptor_set_layout(device, {&block, 1});
-    Result<vulkan::DescriptorSetLayout> image_set = vulkan::create_descriptor_set_layout(device, {&image, 1});
+// Descriptor set layouts and pipeline layouts.
+Status create_layouts(const vulkan::Device& device, Quality quality, Passes& passes) {
+    constexpr VkShaderStageFlags kBoth = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+    const std::array<VkDescriptorSetLayoutBinding, 2> frame_bindings{
+        {{0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, kBoth, nullptr},
+         {1, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr}}};
+    const VkDescriptorSetLayoutBinding image_binding{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1,
+                                                     VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
+    Result<vulkan::DescriptorSetLayout> frame_set =
+        vulkan::create_descriptor_set_layout(device, std::span(frame_bindings).first(quality == Quality::full ? 2 : 1));
+    Result<vulkan::DescriptorSetLayout> image_set = vulkan::create_descriptor_set_layout(device, {&image_binding, 1});
     if (!frame_set || !image_set) {
         return !frame_set ? frame_set.error() : image_set.error();
     }
     passes.frame_set = std::move(frame_set).value();
     passes.image_set = std::move(image_set).value();
-    const VkPushConstantRange word{VK_SHADER_STAGE_VERTEX_BIT, 0, 4};
-    const VkPushConstantRange four{VK_SHADER_STAGE_VERTEX_BIT, 0, 16};
-    const VkDescriptorSetLayout frame_handle = passes.frame_set.get();
-    const VkDescriptorSetLayout image_handle = passes.image_set.get();
-    Result<vulkan::PipelineLayout> scene_layout =
-        vulkan::create_pipeline_layout(device, {&frame_handle, 1}, {&word, 1});
-    Result<vulkan::PipelineLayout> image_layout =
-        vulkan::create_pipeline_layout(device, {&image_handle, 1}, {&four, 1});
-    if (!scene_layout || !image_layout) {
-        return !scene_layout ? scene_layout.error() : image_layout.error();
+    const VkPushConstantRange push{VK_SHADER_STAGE_VERTEX_BIT, 0, 16};
+    const std::array<VkDescriptorSetLayout, 2> sets{passes.frame_set.get(), passes.image_set.get()};
+    Result<vulkan::PipelineLayout> scene = vulkan::create_pipeline_layout(device, sets, {&push, 1});
+    Result<vulkan::PipelineLayout> image = vulkan::create_pipeline_layout(device, std::span(sets).last(1), {&push, 1});
+    if (!scene || !image) {
+        return !scene ? scene.error() : image.error();
     }
-    passes.scene_layout = std::move(scene_layout).value();
-    passes.image_layout = std::move(image_layout).value();
+    passes.scene_layout = std::move(scene).value();
+    passes.image_layout = std::move(image).value();
+    return Ok{};
+}
 
-    passes.scene_options = {.color = kColorFormat, .depth = kDepthFormat};
-    // Everything is drawn over: dome and terrain leave no pixel.
-    passes.scene_options.color_load = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+Status create_render_passes(const vulkan::Device& device, Quality quality, Passes& passes) {
+    const bool full = quality == Quality::full;
+    passes.scene_options = {.color = full ? kHdrFormat : kColorFormat,
+                            .color_to =
+                                full ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                            .depth = kDepthFormat};
+    passes.shadow_options = {.color = VK_FORMAT_UNDEFINED, .depth = kDepthFormat, .keep_depth = true};
+    passes.final_options = {.color = kColorFormat, .color_load = VK_ATTACHMENT_LOAD_OP_DONT_CARE};
     passes.hud_options = {.color = kColorFormat, .color_to = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-    Result<vulkan::RenderPass> scene = vulkan::create_render_pass(device, passes.scene_options);
-    Result<vulkan::RenderPass> hud = vulkan::create_render_pass(device, passes.hud_options);
-    if (!scene || !hud) {
-        return !scene ? scene.error() : hud.error();
+    const auto create = [&](const vulkan::RenderPassOptions& options, vulkan::RenderPass& pass) -> Status {
+        Result<vulkan::RenderPass> created = vulkan::create_render_pass(device, options);
+        if (!created) {
+            return created.error();
+        }
+        pass = std::move(created).value();
+        return Ok{};
+    };
+    Status status = create(passes.scene_options, passes.scene);
+    if (status) {
+        status = create(passes.hud_options, passes.hud);
     }
-    passes.scene = std::move(scene).value();
-    passes.hud = std::move(hud).value();
+    if (status && full) {
+        status = create(passes.shadow_options, passes.shadow);
+    }
+    if (status && full) {
+        status = create(passes.final_options, passes.final);
+    }
+    return status;
+}
 
-    const auto stage = [](VkShaderStageFlagBits flag, std::span<const std::uint32_t> spirv, const char* file) {
-        return vulkan::ShaderSource{flag, spirv, file};
-    };
-    const auto vertex = [&](std::span<const std::uint32_t> spirv, const char* file) {
-        return stage(VK_SHADER_STAGE_VERTEX_BIT, spirv, file);
-    };
-    const auto fragment = [&](std::span<const std::uint32_t> spirv, const char* file) {
-        return stage(VK_SHADER_STAGE_FRAGMENT_BIT, spirv, file);
-    };
-    const std::uint32_t hdr = quality == Quality::full ? 1 : 0;
-
+std::vector<Recipe> list_pipelines(Quality quality, const Passes& passes) {
+    const bool full = quality == Quality::full;
     vulkan::GraphicsPipelineOptions surface{};
     surface.bindings = kSurfaceBindings;
     surface.attributes = kSurfaceAttributes;
@@ -127,17 +150,21 @@ Result<Passes> create_passes(const vulkan::Device& device, Quality quality,
     surface.cull = VK_CULL_MODE_BACK_BIT;
     surface.depth_test = true;
     surface.depth_write = true;
+    vulkan::GraphicsPipelineOptions shadow_map = surface;
+    shadow_map.pass = passes.shadow.get();
+    shadow_map.has_color = false;
+    shadow_map.cull = VK_CULL_MODE_NONE;
     vulkan::GraphicsPipelineOptions sky = surface;
     sky.bindings = kSkyBindings;
     sky.attributes = kSkyAttributes;
     sky.cull = VK_CULL_MODE_NONE;
     sky.depth_write = false;
-    vulkan::GraphicsPipelineOptions shadows = surface;
-    shadows.bindings = kShadowBindings;
-    shadows.attributes = kShadowAttributes;
-    shadows.cull = VK_CULL_MODE_NONE;
-    shadows.depth_write = false;
-    shadows.blend = vulkan::Blend::multiply;
+    vulkan::GraphicsPipelineOptions decals = surface;
+    decals.bindings = kShadowBindings;
+    decals.attributes = kShadowAttributes;
+    decals.cull = VK_CULL_MODE_NONE;
+    decals.depth_write = false;
+    decals.blend = vulkan::Blend::multiply;
     vulkan::GraphicsPipelineOptions disc{};
     disc.layout = passes.scene_layout.get();
     disc.pass = passes.scene.get();
@@ -147,36 +174,75 @@ Result<Passes> create_passes(const vulkan::Device& device, Quality quality,
     sun.blend = vulkan::Blend::alpha;
     vulkan::GraphicsPipelineOptions moon = disc;
     moon.blend = vulkan::Blend::add;
-    vulkan::GraphicsPipelineOptions hud_picture{};
-    hud_picture.layout = passes.image_layout.get();
-    hud_picture.pass = passes.scene.get();
-    hud_picture.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP;
-    hud_picture.blend = vulkan::Blend::over;
+    vulkan::GraphicsPipelineOptions resolve{};
+    resolve.layout = passes.image_layout.get();
+    resolve.pass = passes.final.get();
+    vulkan::GraphicsPipelineOptions hud{};
+    hud.layout = passes.image_layout.get();
+    hud.pass = full ? passes.final.get() : passes.scene.get();
+    hud.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP;
+    hud.blend = vulkan::Blend::over;
 
-    // In the order of Passes::Name.
-    std::vector<Recipe> recipes;
-    recipes.push_back({vertex(surface_lean_vert, "passes/surface_lean.vert"),
-                       fragment(color_frag, "passes/color.frag"),
-                       {0},
-                       surface});
-    recipes.push_back({vertex(surface_lean_vert, "passes/surface_lean.vert"),
-                       fragment(color_frag, "passes/color.frag"),
-                       {1},
-                       surface});
-    recipes.push_back({vertex(sky_vert, "passes/sky.vert"), fragment(color_frag, "passes/color.frag"), {hdr}, sky});
-    recipes.push_back({vertex(shadow_decal_vert, "passes/shadow_decal.vert"),
-                       fragment(shadow_decal_frag, "passes/shadow_decal.frag"),
-                       {},
-                       shadows});
-    recipes.push_back({vertex(disc_vert, "passes/disc.vert"), fragment(sun_frag, "passes/sun.frag"), {hdr}, sun});
-    recipes.push_back({vertex(disc_vert, "passes/disc.vert"), fragment(moon_frag, "passes/moon.frag"), {hdr}, moon});
-    recipes.push_back({vertex(hud_vert, "passes/hud.vert"), fragment(hud_frag, "passes/hud.frag"), {}, hud_picture});
-    for (Recipe& recipe : recipes) {
+    const std::uint32_t hdr = full ? 1 : 0;
+    const vulkan::ShaderSource disc_source = vertex(disc_vert, "passes/disc.vert");
+    std::vector<Recipe> recipes{
+        {Passes::sky,
+         {vertex(sky_vert, "passes/sky.vert"),
+          full ? fragment(color_hdr_frag, "passes/color_hdr.frag") : fragment(color_frag, "passes/color.frag")},
+         {hdr},
+         sky},
+        {Passes::sun, {disc_source, fragment(sun_frag, "passes/sun.frag")}, {hdr}, sun},
+        {Passes::moon, {disc_source, fragment(moon_frag, "passes/moon.frag")}, {hdr}, moon},
+        {Passes::hud_picture, {vertex(hud_vert, "passes/hud.vert"), fragment(hud_frag, "passes/hud.frag")}, {}, hud},
+    };
+    if (full) {
+        const std::vector<vulkan::ShaderSource> sources{vertex(surface_full_vert, "passes/surface_full.vert"),
+                                                        fragment(surface_full_frag, "passes/surface_full.frag")};
+        recipes.push_back({Passes::terrain, sources, {0}, surface});
+        recipes.push_back({Passes::objects, sources, {1}, surface});
+        recipes.push_back({Passes::shadow_map, {vertex(shadow_map_vert, "passes/shadow_map.vert")}, {}, shadow_map});
+        recipes.push_back({Passes::resolve,
+                           {vertex(resolve_vert, "passes/resolve.vert"), fragment(resolve_frag, "passes/resolve.frag")},
+                           {},
+                           resolve});
+    } else {
+        recipes.push_back({Passes::terrain,
+                           {vertex(terrain_lean_vert, "passes/terrain_lean.vert"),
+                            fragment(terrain_lean_frag, "passes/terrain_lean.frag")},
+                           {0},
+                           surface});
+        recipes.push_back(
+            {Passes::objects,
+             {vertex(object_lean_vert, "passes/object_lean.vert"), fragment(color_frag, "passes/color.frag")},
+             {1},
+             surface});
+        recipes.push_back({Passes::decals,
+                           {vertex(shadow_decal_vert, "passes/shadow_decal.vert"),
+                            fragment(shadow_decal_frag, "passes/shadow_decal.frag")},
+                           {},
+                           decals});
+    }
+    return recipes;
+}
+
+} // namespace
+
+Result<Passes> create_passes(const vulkan::Device& device, Quality quality,
+                             const std::filesystem::path& shader_directory) {
+    Passes passes;
+    if (const Status created = create_layouts(device, quality, passes); !created) {
+        return created.error();
+    }
+    if (const Status created = create_render_passes(device, quality, passes); !created) {
+        return created.error();
+    }
+    for (Recipe& recipe : list_pipelines(quality, passes)) {
+        const Passes::Name name = recipe.name;
         Result<vulkan::ReloadablePipeline> pipeline = cook(device, std::move(recipe), shader_directory);
         if (!pipeline) {
             return pipeline.error();
         }
-        passes.pipelines.push_back(std::move(pipeline).value());
+        passes.pipelines[name] = std::move(pipeline).value();
     }
     return passes;
 }

@@ -1,12 +1,14 @@
 #include "sandbox/render/renderer.hpp"
 
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cstring>
 
 #include <alpenglow/vulkan/transfer.hpp>
 
 #include "sandbox/render/sky_dome.hpp"
+#include "sandbox/render/terrain_image.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
@@ -54,60 +56,93 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const vulkan::Device& device,
                                                    const RendererOptions& options) {
     std::unique_ptr<Renderer> renderer(new Renderer(device));
     Renderer& r = *renderer;
-    r.quality_ = options.quality.value_or(device.info().is_cpu ? Quality::lean : Quality::full);
-    const std::uint32_t frames = options.frames_in_flight;
-
+    r.quality_ = options.quality;
+    if (r.quality_ == Quality::automatic) {
+        r.quality_ = device.info().is_cpu ? Quality::lean : Quality::full;
+    }
+    r.frames_in_flight_ = options.frames_in_flight;
     Result<Passes> passes = create_passes(device, r.quality_, options.shader_directory);
     if (!passes) {
         return passes.error();
     }
     r.passes_ = std::move(passes).value();
-    Result<vulkan::FrameRing> ring = vulkan::FrameRing::create(device, frames);
+    Result<vulkan::FrameRing> ring = vulkan::FrameRing::create(device, r.frames_in_flight_);
     if (!ring) {
         return ring.error();
     }
     r.ring_ = std::move(ring).value();
-    const std::array<VkDescriptorPoolSize, 2> sizes{
-        {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, frames}, {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 2 + frames}}};
-    Result<vulkan::DescriptorPool> descriptors = vulkan::create_descriptor_pool(device, frames + 2, sizes);
-    if (!descriptors) {
-        return descriptors.error();
+    r.terrain_grids_ = world.terrain_grids;
+    r.terrain_indices_ = {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, r.frames_in_flight_};
+    r.decal_vertices_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, r.frames_in_flight_};
+    r.decal_indices_ = {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, r.frames_in_flight_};
+    r.sky_vertices_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, r.frames_in_flight_};
+    r.visible_instances_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, r.frames_in_flight_};
+    if (const Status created = r.create_descriptors(); !created) {
+        return created.error();
     }
-    r.descriptors_ = std::move(descriptors).value();
-    for (std::uint32_t i = 0; i < frames; ++i) {
-        Result<vulkan::Buffer> block = vulkan::Buffer::create(
-            device, sizeof(gpu::FrameBlock), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, vulkan::Placement::upload);
-        Result<VkDescriptorSet> set =
-            vulkan::allocate_descriptor_set(device, r.descriptors_.get(), r.passes_.frame_set.get());
-        if (!block || !set) {
-            return !block ? block.error() : set.error();
-        }
-        const VkDescriptorBufferInfo info{block->get(), 0, sizeof(gpu::FrameBlock)};
-        VkWriteDescriptorSet write{};
-        write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-        write.dstSet = *set;
-        write.descriptorCount = 1;
-        write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-        write.pBufferInfo = &info;
-        vkUpdateDescriptorSets(device.get(), 1, &write, 0, nullptr);
-        r.slots_.push_back({std::move(block).value(), *set});
+    if (const Status created = r.create_targets(options.extent); !created) {
+        return created.error();
     }
-    r.terrain_indices_ = {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, frames};
-    r.shadow_vertices_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, frames};
-    r.shadow_indices_ = {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, frames};
-    r.sky_vertices_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, frames};
-    r.visible_instances_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, frames};
-    if (Status uploaded = r.upload_world(world); !uploaded) {
+    if (const Status uploaded = r.upload_world(world); !uploaded) {
         return uploaded.error();
     }
-    if (Status created = r.create_targets(options.extent); !created) {
-        return created.error();
+    if (const Status uploaded = r.upload_terrain_images(world); !uploaded) {
+        return uploaded.error();
     }
     return renderer;
 }
 
 Renderer::~Renderer() {
     static_cast<void>(device_.wait_idle());
+}
+
+Status Renderer::create_descriptors() {
+    const auto grids = static_cast<std::uint32_t>(terrain_grids_.size());
+    const std::uint32_t images = grids + 2; // and the scene to resolve, and the HUD's picture
+    const std::array<VkDescriptorPoolSize, 2> sizes{
+        {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, frames_in_flight_},
+         {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, images + frames_in_flight_}}};
+    Result<vulkan::DescriptorPool> pool = vulkan::create_descriptor_pool(device_, frames_in_flight_ + images, sizes);
+    if (!pool) {
+        return pool.error();
+    }
+    descriptors_ = std::move(pool).value();
+
+    Result<vulkan::Sampler> terrain = vulkan::create_sampler(device_, {});
+    Result<vulkan::Sampler> shadow = vulkan::create_sampler(device_, {.compare_greater = true});
+    Result<vulkan::Sampler> point = vulkan::create_sampler(device_, {.filter = VK_FILTER_NEAREST});
+    if (!terrain || !shadow || !point) {
+        return !terrain ? terrain.error() : !shadow ? shadow.error() : point.error();
+    }
+    terrain_sampler_ = std::move(terrain).value();
+    shadow_sampler_ = std::move(shadow).value();
+    point_sampler_ = std::move(point).value();
+
+    for (std::uint32_t i = 0; i < frames_in_flight_; ++i) {
+        Result<vulkan::Buffer> block = vulkan::Buffer::create(
+            device_, sizeof(gpu::FrameBlock), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, vulkan::Placement::upload);
+        Result<VkDescriptorSet> set =
+            vulkan::allocate_descriptor_set(device_, descriptors_.get(), passes_.frame_set.get());
+        if (!block || !set) {
+            return !block ? block.error() : set.error();
+        }
+        vulkan::write_buffer_descriptor(device_, *set, 0, block->get(), sizeof(gpu::FrameBlock));
+        slots_.push_back({std::move(block).value(), *set});
+    }
+    terrain_images_.resize(grids);
+    std::vector<VkDescriptorSet*> sets{&resolve_set_, &hud_set_};
+    for (TerrainImage& image : terrain_images_) {
+        sets.push_back(&image.set);
+    }
+    for (VkDescriptorSet* set : sets) {
+        Result<VkDescriptorSet> allocated =
+            vulkan::allocate_descriptor_set(device_, descriptors_.get(), passes_.image_set.get());
+        if (!allocated) {
+            return allocated.error();
+        }
+        *set = *allocated;
+    }
+    return Ok{};
 }
 
 Status Renderer::upload_world(const WorldData& world) {
@@ -120,6 +155,10 @@ Status Renderer::upload_world(const WorldData& world) {
         indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
     }
     for (const ObjectInstance& object : world.objects) {
+        if (all_runs_.empty() || all_runs_.back().mesh != object.mesh) {
+            all_runs_.push_back({object.mesh, static_cast<std::uint32_t>(instances_.size()), 0});
+        }
+        ++all_runs_.back().count;
         instances_.push_back(make_instance(object));
     }
     visible_ = VisibleObjects(world);
@@ -129,6 +168,7 @@ Status Renderer::upload_world(const WorldData& world) {
          {upload_once(device_, world.terrain.vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, terrain_vertices_),
           upload_once(device_, vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, object_vertices_),
           upload_once(device_, indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT, object_indices_),
+          upload_once(device_, instances_, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, all_instances_),
           upload_once(device_, sky, VK_BUFFER_USAGE_INDEX_BUFFER_BIT, sky_indices_)}) {
         if (!uploaded) {
             return uploaded;
@@ -137,56 +177,122 @@ Status Renderer::upload_world(const WorldData& world) {
     return Ok{};
 }
 
-Status Renderer::create_targets(VkExtent2D extent) {
-    Result<vulkan::RenderTarget> target = vulkan::create_render_target(
-        device_, passes_.scene_options, passes_.scene.get(), extent, VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
-    if (!target) {
-        return target.error();
+Status Renderer::upload_terrain_images(const WorldData& world) {
+    for (std::size_t i = 0; i < terrain_grids_.size(); ++i) {
+        const TerrainGrid& grid = terrain_grids_[i];
+        TerrainImage& terrain = terrain_images_[i];
+        terrain.from_position = image_from_position(grid);
+        Result<vulkan::Image> image = vulkan::Image::create(
+            device_, {VK_FORMAT_R8G8B8A8_UNORM,
+                      {grid.samples, grid.samples},
+                      VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                      static_cast<std::uint32_t>(std::bit_width(grid.samples))});
+        if (!image) {
+            return image.error();
+        }
+        terrain.image = std::move(image).value();
+        const std::vector<std::byte> texels = terrain_texels(world.terrain.vertices, grid);
+        if (const Status uploaded = vulkan::upload_image(device_, *terrain.image, texels); !uploaded) {
+            return uploaded;
+        }
+        vulkan::write_image_descriptor(device_, terrain.set, 0, terrain.image->view(), terrain_sampler_.get());
     }
-    scene_target_ = std::move(target).value();
-    extent_ = extent;
     return Ok{};
+}
+
+Status Renderer::create_targets(VkExtent2D extent) {
+    const bool full = quality_ == Quality::full;
+    const auto create = [&](const vulkan::RenderPassOptions& options, const vulkan::RenderPass& pass, VkExtent2D size,
+                            VkImageUsageFlags color, VkImageUsageFlags depth, vulkan::RenderTarget& target) -> Status {
+        Result<vulkan::RenderTarget> created =
+            vulkan::create_render_target(device_, options, pass.get(), size, color, depth);
+        if (!created) {
+            return created.error();
+        }
+        target = std::move(created).value();
+        return Ok{};
+    };
+    Status status = create(passes_.scene_options, passes_.scene, extent,
+                           full ? VK_IMAGE_USAGE_SAMPLED_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT, 0, scene_target_);
+    if (status && full) {
+        status =
+            create(passes_.final_options, passes_.final, extent, VK_IMAGE_USAGE_TRANSFER_SRC_BIT, 0, final_target_);
+    }
+    if (status && full && !shadow_target_.depth) {
+        status = create(passes_.shadow_options, passes_.shadow, {kShadowMapSize, kShadowMapSize}, 0,
+                        VK_IMAGE_USAGE_SAMPLED_BIT, shadow_target_);
+    }
+    if (status && full) {
+        vulkan::write_image_descriptor(device_, resolve_set_, 0, scene_target_.color->view(), point_sampler_.get());
+        for (const Slot& slot : slots_) {
+            vulkan::write_image_descriptor(device_, slot.set, 1, shadow_target_.depth->view(), shadow_sampler_.get());
+        }
+    }
+    extent_ = extent;
+    return status;
 }
 
 Status Renderer::resize(VkExtent2D extent) {
     if (const Status idle = device_.wait_idle(); !idle) {
         return idle;
     }
-    return create_targets(extent);
+    if (const Status created = create_targets(extent); !created) {
+        return created;
+    }
+    return hud_ ? hud_->resize(extent) : Status(Ok{});
+}
+
+Status Renderer::enable_hud(const vulkan::Instance& instance) {
+    Result<std::unique_ptr<Hud>> hud = Hud::create(instance, device_, passes_, hud_set_, extent_, frames_in_flight_);
+    if (!hud) {
+        return hud.error();
+    }
+    hud_ = std::move(hud).value();
+    return Ok{};
 }
 
 Status Renderer::update_buffers(const FrameData& frame, std::uint32_t slot, DrawStats& stats) {
     Status status = Ok{};
-    const auto replace = [&](DynamicBuffer& buffer, std::size_t size_bytes, auto&&... content) {
+    const auto replace = [&](DynamicBuffer& buffer, std::size_t size_bytes, auto&& write) {
         if (status) {
-            status = buffer.replace(device_, content...);
+            status = buffer.replace(device_, size_bytes, write);
             ++stats.uploads;
             stats.upload_bytes += size_bytes;
         }
     };
+    const auto copy = [&](DynamicBuffer& buffer, const auto& items) {
+        replace(buffer, items.size_bytes(), [&](std::span<std::byte> bytes) {
+            if (!items.empty()) {
+                std::memcpy(bytes.data(), items.data(), items.size_bytes());
+            }
+        });
+    };
     if (terrain_revision_ != frame.terrain_indices_revision) {
         terrain_revision_ = frame.terrain_indices_revision;
-        replace(terrain_indices_, frame.terrain_indices.size_bytes(), frame.terrain_indices);
+        std::vector<std::uint32_t> sorted(frame.terrain_indices.size());
+        const std::vector<std::uint32_t> counts = sort_by_grid(frame.terrain_indices, terrain_grids_, sorted);
+        for (std::size_t i = 0; i < counts.size(); ++i) {
+            terrain_images_[i].index_count = counts[i];
+        }
+        copy(terrain_indices_, std::span<const std::uint32_t>(sorted));
     }
-    if (shadow_revision_ != frame.shadow_revision) {
-        shadow_revision_ = frame.shadow_revision;
-        replace(shadow_vertices_, frame.shadow_vertices.size_bytes(), frame.shadow_vertices);
-        replace(shadow_indices_, frame.shadow_indices.size_bytes(), frame.shadow_indices);
+    if (decal_revision_ != frame.shadow_revision && quality_ == Quality::lean) {
+        decal_revision_ = frame.shadow_revision;
+        copy(decal_vertices_, frame.shadow_vertices);
+        copy(decal_indices_, frame.shadow_indices);
     }
     if (sky_revision_ != frame.sky_revision) {
         sky_revision_ = frame.sky_revision;
         sky_extract_ = extract_sky(frame);
         if (!frame.sky_vertices.empty()) {
             assert(frame.sky_vertices.size() == SkyDome::vertices);
-            const std::size_t size = frame.sky_vertices.size_bytes() + SkyDome::skirt_vertices * sizeof(SkyVertex);
-            replace(sky_vertices_, size, size,
+            replace(sky_vertices_, frame.sky_vertices.size_bytes() + SkyDome::skirt_vertices * sizeof(SkyVertex),
                     [&](std::span<std::byte> bytes) { write_sky(frame.sky_vertices, bytes); });
         }
     }
     stats.objects_considered = static_cast<std::uint32_t>(instances_.size());
     if (visible_.update(clip_from_relative(frame), frame.camera_m, pixels_per_radian(frame, extent_.height))) {
-        const std::size_t size = visible_.objects().size() * sizeof(gpu::Instance);
-        replace(visible_instances_, size, size, [&](std::span<std::byte> bytes) {
+        replace(visible_instances_, visible_.objects().size() * sizeof(gpu::Instance), [&](std::span<std::byte> bytes) {
             std::byte* to = bytes.data();
             for (const std::uint32_t object : visible_.objects()) {
                 std::memcpy(to, &instances_[object], sizeof(gpu::Instance));
@@ -195,57 +301,93 @@ Status Renderer::update_buffers(const FrameData& frame, std::uint32_t slot, Draw
         });
     }
     stats.objects_drawn = static_cast<std::uint32_t>(visible_.objects().size());
-    const gpu::FrameBlock block = make_frame_block(frame, sky_extract_, extent_.height);
-    std::memcpy(slots_[slot].block->mapped().data(), &block, sizeof block);
+    block_ = make_frame_block(frame, sky_extract_, extent_.height);
+    std::memcpy(slots_[slot].block->mapped().data(), &block_, sizeof block_);
     return status;
 }
 
-void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, std::uint32_t slot,
-                            DrawStats& stats) const {
+void Renderer::record_objects(VkCommandBuffer commands, std::span<const ObjectRun> runs, VkBuffer instances,
+                              DrawStats& stats) const {
+    bind_vertices(commands, 0, object_vertices_->get());
+    bind_vertices(commands, 1, instances);
+    vkCmdBindIndexBuffer(commands, object_indices_->get(), 0, VK_INDEX_TYPE_UINT32);
+    for (const ObjectRun& run : runs) {
+        const Mesh& mesh = meshes_[run.mesh];
+        vkCmdDrawIndexed(commands, mesh.index_count, run.count, mesh.first_index, mesh.vertex_offset, run.first);
+        ++stats.draws;
+        stats.triangles += mesh.index_count / 3 * run.count;
+    }
+}
+
+void Renderer::record_shadow_map(VkCommandBuffer commands, DrawStats& stats) {
+    // Seen from the light, objects stand still: the map holds as long as light and camera do.
+    if (block_.shadow_from_relative == shadow_drawn_for_ && block_.camera_m == shadow_drawn_at_) {
+        return;
+    }
+    shadow_drawn_for_ = block_.shadow_from_relative;
+    shadow_drawn_at_ = block_.camera_m;
+    vulkan::begin_render_pass(commands, passes_.shadow.get(), shadow_target_);
+    if (!instances_.empty()) {
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, passes_[Passes::shadow_map]);
+        record_objects(commands, all_runs_, all_instances_->get(), stats);
+    }
+    vkCmdEndRenderPass(commands);
+}
+
+void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, DrawStats& stats) const {
     const auto bind = [&](Passes::Name name) {
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, passes_[name]);
     };
-    const auto draw_indexed = [&](std::uint32_t count, std::uint32_t instances, std::uint32_t first_index,
-                                  std::int32_t vertex_offset, std::uint32_t first_instance) {
-        vkCmdDrawIndexed(commands, count, instances, first_index, vertex_offset, first_instance);
+    const auto draw_indexed = [&](std::uint32_t count, std::uint32_t first_index) {
+        vkCmdDrawIndexed(commands, count, 1, first_index, 0, 0);
         ++stats.draws;
-        stats.triangles += count / 3 * instances;
+        stats.triangles += count / 3;
     };
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, passes_.scene_layout.get(), 0, 1,
-                            &slots_[slot].set, 0, nullptr);
+    const VkPipelineLayout layout = passes_.scene_layout.get();
+    const auto bind_terrain_image = [&](const TerrainImage& terrain) {
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1, &terrain.set, 0, nullptr);
+        vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof terrain.from_position,
+                           &terrain.from_position);
+    };
     // Near things first, the sky last: what is hidden costs no fragment.
     if (!visible_.objects().empty()) {
         bind(Passes::objects);
-        bind_vertices(commands, 0, object_vertices_->get());
-        bind_vertices(commands, 1, visible_instances_.get());
-        vkCmdBindIndexBuffer(commands, object_indices_->get(), 0, VK_INDEX_TYPE_UINT32);
-        for (const ObjectRun& run : visible_.runs()) {
-            const Mesh& mesh = meshes_[run.mesh];
-            draw_indexed(mesh.index_count, run.count, mesh.first_index, mesh.vertex_offset, run.first);
+        if (!terrain_images_.empty()) {
+            bind_terrain_image(terrain_images_.front()); // objects do not read it, but share the terrain's shader
         }
+        record_objects(commands, visible_.runs(), visible_instances_.get(), stats);
     }
     if (!frame.terrain_indices.empty()) {
         bind(Passes::terrain);
         bind_vertices(commands, 0, terrain_vertices_->get());
         bind_vertices(commands, 1, terrain_vertices_->get()); // not read: the terrain is one piece
         vkCmdBindIndexBuffer(commands, terrain_indices_.get(), 0, VK_INDEX_TYPE_UINT32);
-        draw_indexed(static_cast<std::uint32_t>(frame.terrain_indices.size()), 1, 0, 0, 0);
+        // The finest grid, which is the nearest, first.
+        auto first = static_cast<std::uint32_t>(frame.terrain_indices.size());
+        for (auto terrain = terrain_images_.rbegin(); terrain != terrain_images_.rend(); ++terrain) {
+            first -= terrain->index_count;
+            if (terrain->index_count > 0) {
+                bind_terrain_image(*terrain);
+                draw_indexed(terrain->index_count, first);
+            }
+        }
     }
-    if (!frame.shadow_indices.empty() && is_lit(frame.sun_illuminance_lux)) {
-        bind(Passes::shadows);
-        bind_vertices(commands, 0, shadow_vertices_.get());
-        vkCmdBindIndexBuffer(commands, shadow_indices_.get(), 0, VK_INDEX_TYPE_UINT32);
-        draw_indexed(static_cast<std::uint32_t>(frame.shadow_indices.size()), 1, 0, 0, 0);
+    if (!frame.shadow_indices.empty() && quality_ == Quality::lean &&
+        (is_lit(frame.sun_illuminance_lux) || is_lit(frame.moon_illuminance_lux))) {
+        bind(Passes::decals);
+        bind_vertices(commands, 0, decal_vertices_.get());
+        vkCmdBindIndexBuffer(commands, decal_indices_.get(), 0, VK_INDEX_TYPE_UINT32);
+        draw_indexed(static_cast<std::uint32_t>(frame.shadow_indices.size()), 0);
     }
     if (!frame.sky_vertices.empty()) {
         bind(Passes::sky);
         bind_vertices(commands, 0, sky_vertices_.get());
         vkCmdBindIndexBuffer(commands, sky_indices_->get(), 0, VK_INDEX_TYPE_UINT32);
-        draw_indexed(sky_index_count_, 1, 0, 0, 0);
+        draw_indexed(sky_index_count_, 0);
     }
     const auto draw_disc = [&](Passes::Name name, std::uint32_t body) {
         bind(name);
-        vkCmdPushConstants(commands, passes_.scene_layout.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof body, &body);
+        vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof body, &body);
         vkCmdDraw(commands, 4, 1, 0, 0);
         ++stats.draws;
         stats.triangles += 2;
@@ -258,7 +400,12 @@ void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, st
     }
 }
 
-Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swapchain) {
+const vulkan::Image& Renderer::output() const {
+    return quality_ == Quality::full ? *final_target_.color : *scene_target_.color;
+}
+
+Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swapchain, ImDrawData* hud) {
+    assert(hud == nullptr || hud_ != nullptr);
     DrawStats stats;
     Result<vulkan::FrameRing::Frame> begun = ring_->begin();
     if (!begun) {
@@ -268,8 +415,31 @@ Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swap
     if (const Status updated = update_buffers(frame, begun->slot, stats); !updated) {
         return updated.error();
     }
-    vulkan::begin_render_pass(commands, passes_.scene.get(), scene_target_);
-    record_scene(commands, frame, begun->slot, stats);
+    if (hud != nullptr) {
+        stats.hud_redrawn = hud_->record_picture(commands, *hud);
+    }
+    const auto overlay = [&] {
+        if (hud != nullptr) {
+            hud_->record_overlay(commands, passes_[Passes::hud_picture], passes_.image_layout.get());
+        }
+    };
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, passes_.scene_layout.get(), 0, 1,
+                            &slots_[begun->slot].set, 0, nullptr);
+    if (quality_ == Quality::full) {
+        record_shadow_map(commands, stats);
+        vulkan::begin_render_pass(commands, passes_.scene.get(), scene_target_);
+        record_scene(commands, frame, stats);
+        vkCmdEndRenderPass(commands);
+        vulkan::begin_render_pass(commands, passes_.final.get(), final_target_);
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, passes_[Passes::resolve]);
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, passes_.image_layout.get(), 0, 1,
+                                &resolve_set_, 0, nullptr);
+        vkCmdDraw(commands, 3, 1, 0, 0);
+    } else {
+        vulkan::begin_render_pass(commands, passes_.scene.get(), scene_target_);
+        record_scene(commands, frame, stats);
+    }
+    overlay();
     vkCmdEndRenderPass(commands);
 
     std::optional<vulkan::Swapchain::Acquired> acquired;
@@ -281,7 +451,7 @@ Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swap
         }
         acquired = *next;
         if (acquired) {
-            swapchain->record_copy(commands, *scene_target_.color, *acquired);
+            swapchain->record_copy(commands, output(), *acquired);
             signals = {acquired->available, VK_PIPELINE_STAGE_TRANSFER_BIT, acquired->finished};
         }
     }
@@ -311,17 +481,20 @@ Result<std::vector<std::byte>> Renderer::read_pixels() {
     if (const Status done = finish(); !done) {
         return done.error();
     }
-    return vulkan::read_image(device_, *scene_target_.color, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    return vulkan::read_image(device_, output(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
 }
 
 std::vector<std::string> Renderer::reload_shaders() {
     std::vector<std::string> messages;
-    for (vulkan::ReloadablePipeline& pipeline : passes_.pipelines) {
-        const Result<bool> reloaded = pipeline.reload_if_changed();
+    for (std::optional<vulkan::ReloadablePipeline>& pipeline : passes_.pipelines) {
+        if (!pipeline) {
+            continue;
+        }
+        const Result<bool> reloaded = pipeline->reload_if_changed();
         if (!reloaded) {
             messages.push_back(reloaded.error().message());
         } else if (*reloaded) {
-            messages.push_back(pipeline.name() + " reloaded");
+            messages.push_back(pipeline->name() + " reloaded");
         }
     }
     return messages;

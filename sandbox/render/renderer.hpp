@@ -6,16 +6,19 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <alpenglow/core/result.hpp>
 #include <alpenglow/vulkan/device.hpp>
 #include <alpenglow/vulkan/frame_ring.hpp>
+#include <alpenglow/vulkan/instance.hpp>
 #include <alpenglow/vulkan/swapchain.hpp>
 
 #include "sandbox/render/dynamic_buffer.hpp"
 #include "sandbox/render/gpu_data.hpp"
+#include "sandbox/render/hud.hpp"
 #include "sandbox/render/passes.hpp"
 #include "sandbox/render/visible_objects.hpp"
 #include "sandbox/world/render_data.hpp"
@@ -24,7 +27,7 @@ namespace alpenglow::sandbox {
 
 struct RendererOptions {
     VkExtent2D extent{960, 540};
-    std::optional<Quality> quality{}; // none: lean on a CPU device, full on a GPU
+    Quality quality = Quality::automatic;
     std::uint32_t frames_in_flight = 2;
     std::filesystem::path shader_directory{}; // the folder shaders/ to follow for changes; empty: none
 };
@@ -37,7 +40,8 @@ struct DrawStats {
     std::uint32_t triangles = 0; // submitted, whether in view or not
     std::uint32_t objects_considered = 0;
     std::uint32_t objects_drawn = 0;
-    bool presented = false; // false with a swapchain: it must be recreated
+    bool hud_redrawn = false; // the HUD had changed
+    bool presented = false;   // false with a swapchain: it must be recreated
 };
 
 class Renderer {
@@ -55,9 +59,13 @@ public:
     // New targets. Waits for the device.
     Status resize(VkExtent2D extent);
 
+    // Sets up ImGui's Vulkan backend for the current ImGui context, which must outlive the renderer.
+    Status enable_hud(const vulkan::Instance& instance);
+
     // Draws and submits a frame; with a swapchain, also presents it, scaled to the window. Returns while the device is
-    // still drawing; waits where `frames_in_flight` frames are under way.
-    Result<DrawStats> draw(const FrameData& frame, vulkan::Swapchain* swapchain = nullptr);
+    // still drawing; waits where `frames_in_flight` frames are under way. `hud`: ImGui's draw data, laid over the frame
+    // (enable_hud() first); its picture is kept and drawn again only when it has changed.
+    Result<DrawStats> draw(const FrameData& frame, vulkan::Swapchain* swapchain = nullptr, ImDrawData* hud = nullptr);
 
     // Waits until all submitted frames are done.
     Status finish();
@@ -71,10 +79,16 @@ public:
 
 private:
     explicit Renderer(const vulkan::Device& device) : device_(device) {}
+    Status create_descriptors();
     Status upload_world(const WorldData& world);
+    Status upload_terrain_images(const WorldData& world);
     Status create_targets(VkExtent2D extent);
     Status update_buffers(const FrameData& frame, std::uint32_t slot, DrawStats& stats);
-    void record_scene(VkCommandBuffer commands, const FrameData& frame, std::uint32_t slot, DrawStats& stats) const;
+    void record_shadow_map(VkCommandBuffer commands, DrawStats& stats);
+    void record_scene(VkCommandBuffer commands, const FrameData& frame, DrawStats& stats) const;
+    void record_objects(VkCommandBuffer commands, std::span<const ObjectRun> runs, VkBuffer instances,
+                        DrawStats& stats) const;
+    [[nodiscard]] const vulkan::Image& output() const;
 
     struct Mesh {
         std::uint32_t first_index = 0;
@@ -85,29 +99,47 @@ private:
         std::optional<vulkan::Buffer> block; // the FrameBlock
         VkDescriptorSet set = VK_NULL_HANDLE;
     };
+    struct TerrainImage {
+        std::optional<vulkan::Image> image;
+        VkDescriptorSet set = VK_NULL_HANDLE;
+        glm::vec4 from_position{0.0F};
+        std::uint32_t index_count = 0; // of the current triangulation
+    };
 
     const vulkan::Device& device_;
     Quality quality_ = Quality::lean;
     VkExtent2D extent_{};
+    std::uint32_t frames_in_flight_ = 2;
     Passes passes_;
-    vulkan::RenderTarget scene_target_;
     vulkan::DescriptorPool descriptors_;
+    vulkan::Sampler terrain_sampler_, shadow_sampler_, point_sampler_;
+    vulkan::RenderTarget scene_target_, shadow_target_, final_target_; // lean: the first alone
+    VkDescriptorSet resolve_set_ = VK_NULL_HANDLE;
+    VkDescriptorSet hud_set_ = VK_NULL_HANDLE;
     std::vector<Slot> slots_;
     std::optional<vulkan::FrameRing> ring_;
+    std::unique_ptr<Hud> hud_;
 
     // What stays.
     std::optional<vulkan::Buffer> terrain_vertices_;
+    std::vector<TerrainGrid> terrain_grids_;
+    std::vector<TerrainImage> terrain_images_; // one a grid
     std::optional<vulkan::Buffer> object_vertices_;
     std::optional<vulkan::Buffer> object_indices_;
+    std::optional<vulkan::Buffer> all_instances_; // for the shadow map
+    std::vector<ObjectRun> all_runs_;
     std::optional<vulkan::Buffer> sky_indices_;
     std::uint32_t sky_index_count_ = 0;
     std::vector<Mesh> meshes_;
     std::vector<gpu::Instance> instances_; // one an object
     VisibleObjects visible_;
     // What changes now and then, and the revision that it has.
-    DynamicBuffer terrain_indices_, shadow_vertices_, shadow_indices_, sky_vertices_, visible_instances_;
-    std::optional<std::uint32_t> terrain_revision_, shadow_revision_, sky_revision_;
+    DynamicBuffer terrain_indices_, decal_vertices_, decal_indices_, sky_vertices_, visible_instances_;
+    std::optional<std::uint32_t> terrain_revision_, decal_revision_, sky_revision_;
     SkyExtract sky_extract_;
+    gpu::FrameBlock block_{};          // the frame's
+    gpu::mat4 shadow_drawn_for_{0.0F}; // what the shadow map shows, and where the camera stood
+    gpu::vec4 shadow_drawn_at_{0.0F};
 };
 
 } // namespace alpenglow::sandbox

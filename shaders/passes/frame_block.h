@@ -2,13 +2,14 @@
 // alone (std140 then has no padding). All light is multiplied by the frame's exposure beforehand.
 struct FrameBlock {
     mat4 clip_from_relative;  // from world directions relative to the camera; reversed depth: 1 near, 0 far
-    mat4 shadow_from_relative; // to the shadow map: xy in 0..1, z reversed depth; full quality alone
+    mat4 shadow_from_relative; // to the shadow map's clip space, reversed depth; full quality alone
     mat4 irradiance[3];       // n^T M n for R, G, B with n = (x, y, z, 1): light of sky and ground, over pi
     vec4 camera_m;            // xyz: the camera in the world; w: pixels per radian
     vec4 to_sun;              // xyz; w: angular radius of the disc
     vec4 to_moon;             // likewise
     vec4 sun;                 // rgb: illuminance over pi on a surface that faces the sun; w: exposure
     vec4 moon;                // rgb: likewise
+    vec4 key;                 // xyz: direction of the stronger of the two, which throws the shadows; w: 1 for the moon
     vec4 sun_disc;            // rgb: radiance of the disc
     vec4 moon_disc;           // rgb: radiance of the moon where the sun stands overhead
     vec4 moon_sky;            // rgb: radiance of the sky in front of the moon

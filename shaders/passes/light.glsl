@@ -31,11 +31,10 @@ vec3 sky_irradiance(vec3 normal) {
                0.0);
 }
 
-// Radiance that a Lambertian surface reflects.
-vec3 reflected(vec3 albedo, float ambient, vec3 normal, float sun, float moon) {
-    vec3 light = frame.sun.rgb * (sun * max(dot(normal, frame.to_sun.xyz), 0.0)) +
-                 frame.moon.rgb * (moon * max(dot(normal, frame.to_moon.xyz), 0.0)) + ambient * sky_irradiance(normal);
-    return albedo * light;
+// Irradiance over pi of sun and moon, of which fractions are visible.
+vec3 direct_irradiance(vec3 normal, float sun, float moon) {
+    return frame.sun.rgb * (sun * max(dot(normal, frame.to_sun.xyz), 0.0)) +
+           frame.moon.rgb * (moon * max(dot(normal, frame.to_moon.xyz), 0.0));
 }
 
 // (1 - e^-x) / x, by its series where the quotient would cancel.

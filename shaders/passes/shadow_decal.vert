@@ -7,16 +7,17 @@
 #include "tone.glsl"
 
 layout(location = 0) in vec3 position_m;
-layout(location = 1) in float shade; // fraction of the sun's disc that is hidden
+layout(location = 1) in float shade; // fraction of the stronger light's disc that is hidden
 layout(location = 0) out vec3 color;
 
 void main() {
     vec3 relative = position_m - frame.camera_m.xyz;
     // A little towards the camera, so that a coarser triangulation under it does not swallow it.
     gl_Position = frame.clip_from_relative * vec4(relative * 0.995, 1.0);
-    vec3 up = vec3(0.0, 0.0, 1.0);
+    const vec3 up = vec3(0.0, 0.0, 1.0);
     const vec3 ground = vec3(0.15); // a middling albedo: the factor depends on it weakly, through the tone curve
-    vec3 lit = reflected(ground, 1.0, up, 1.0, 1.0);
-    vec3 shaded = reflected(ground, 1.0, up, 1.0 - shade, 1.0);
+    vec3 sky = sky_irradiance(up);
+    vec3 lit = ground * (direct_irradiance(up, 1.0, 1.0) + sky);
+    vec3 shaded = ground * (direct_irradiance(up, 1.0 - shade * (1.0 - frame.key.w), 1.0 - shade * frame.key.w) + sky);
     color = (display(through_air(shaded, relative)) + 1e-3) / (display(through_air(lit, relative)) + 1e-3);
 }

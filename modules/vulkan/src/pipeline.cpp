@@ -202,6 +202,36 @@ Result<VkDescriptorSet> allocate_descriptor_set(const Device& device, VkDescript
     return set;
 }
 
+namespace {
+
+VkWriteDescriptorSet descriptor_write(VkDescriptorSet set, std::uint32_t binding, VkDescriptorType type) {
+    VkWriteDescriptorSet write{};
+    write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+    write.dstSet = set;
+    write.dstBinding = binding;
+    write.descriptorCount = 1;
+    write.descriptorType = type;
+    return write;
+}
+
+} // namespace
+
+void write_buffer_descriptor(const Device& device, VkDescriptorSet set, std::uint32_t binding, VkBuffer buffer,
+                             VkDeviceSize size_bytes) {
+    const VkDescriptorBufferInfo info{buffer, 0, size_bytes};
+    VkWriteDescriptorSet write = descriptor_write(set, binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER);
+    write.pBufferInfo = &info;
+    vkUpdateDescriptorSets(device.get(), 1, &write, 0, nullptr);
+}
+
+void write_image_descriptor(const Device& device, VkDescriptorSet set, std::uint32_t binding, VkImageView view,
+                            VkSampler sampler) {
+    const VkDescriptorImageInfo info{sampler, view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    VkWriteDescriptorSet write = descriptor_write(set, binding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER);
+    write.pImageInfo = &info;
+    vkUpdateDescriptorSets(device.get(), 1, &write, 0, nullptr);
+}
+
 Result<Sampler> create_sampler(const Device& device, const SamplerOptions& options) {
     VkSamplerCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO;

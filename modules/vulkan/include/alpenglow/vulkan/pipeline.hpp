@@ -55,6 +55,13 @@ Result<DescriptorPool> create_descriptor_pool(const Device& device, std::uint32_
 Result<VkDescriptorSet> allocate_descriptor_set(const Device& device, VkDescriptorPool pool,
                                                 VkDescriptorSetLayout layout);
 
+// Points one binding of a set, no frame in flight using it, at a uniform buffer or at a sampled image in
+// SHADER_READ_ONLY_OPTIMAL.
+void write_buffer_descriptor(const Device& device, VkDescriptorSet set, std::uint32_t binding, VkBuffer buffer,
+                             VkDeviceSize size_bytes);
+void write_image_descriptor(const Device& device, VkDescriptorSet set, std::uint32_t binding, VkImageView view,
+                            VkSampler sampler);
+
 struct SamplerOptions {
     VkFilter filter = VK_FILTER_LINEAR;
     VkSamplerMipmapMode mipmap = VK_SAMPLER_MIPMAP_MODE_NEAREST;

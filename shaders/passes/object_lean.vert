@@ -1,0 +1,17 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Objects, all light per vertex, encoded for the display here: what is left per pixel is an interpolation.
+#include "frame.glsl"
+#include "light.glsl"
+#include "surface.glsl"
+#include "tone.glsl"
+
+layout(location = 0) out vec3 color;
+
+void main() {
+    Surface s = read_surface();
+    gl_Position = frame.clip_from_relative * vec4(s.relative_m, 1.0);
+    vec3 light = direct_irradiance(s.normal, sun_visibility(s.horizon), moon_visibility(s.horizon)) +
+                 s.ambient * sky_irradiance(s.normal);
+    color = display(through_air(s.albedo * light, s.relative_m));
+}
