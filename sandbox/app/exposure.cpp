@@ -1,4 +1,4 @@
-#include "exposure.hpp"
+#include "sandbox/app/exposure.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "report.hpp"
+#include "sandbox/app/report.hpp"
 
 #include <nlohmann/json.hpp>
 

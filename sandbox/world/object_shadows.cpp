@@ -251,7 +251,7 @@ void ObjectShadows::build(const ShadowInput& input, const TerrainLod& lod, const
 SystemReport ObjectShadows::update(const ShadowInput& input, const TerrainLod& lod, const ShadowSettings& settings) {
     const double start = thread_cpu_seconds();
     SystemReport report;
-    report.system = "object shadows";
+    report.system = "object_shadows";
     report.considered = static_cast<std::uint32_t>(groups_.size());
     const glm::vec3 was = built_for_.to_light;
     const float moved = std::atan2(glm::length(glm::cross(input.to_light, was)), glm::dot(input.to_light, was));

@@ -303,11 +303,16 @@ void TerrainLod::bound_errors(std::span<const Vertex> vertices) {
 
 bool TerrainLod::active(std::uint32_t v, const Threshold& t) const {
     const float e = error_m_[v];
-    return e > 0.0F && e > t.ratio * (glm::distance(position_m(v), t.camera_m) - radius_m_[v]);
+    if (!(e > 0.0F)) {
+        return false;
+    }
+    const float distance = glm::distance(position_m(v), t.camera_m) - radius_m_[v];
+    // Grows with distance, so that parents stay active; past the first test the exponential is rarely needed.
+    return e > t.ratio * distance && (distance <= 0.0F || e > t.ratio * distance * std::exp(distance * t.per_haze));
 }
 
 bool TerrainLod::build(const LodView& view, const LodSettings& settings, float threshold_px) {
-    const Threshold t{view.camera_m, threshold_px / view.pixels_per_radian};
+    const Threshold t{view.camera_m, threshold_px / view.pixels_per_radian, 1.0F / settings.haze_m};
     const std::array<Plane, 5> planes = frustum_planes(view.clip_from_world);
     const float turn = std::sin(settings.turn_rad);
     const float shift = settings.move_m;
@@ -394,7 +399,7 @@ bool TerrainLod::build(const LodView& view, const LodSettings& settings, float t
 SystemReport TerrainLod::update(const LodView& view, const LodSettings& settings) {
     const double start = thread_cpu_seconds();
     SystemReport report;
-    report.system = "terrain LOD";
+    report.system = "terrain_lod";
     report.considered = 1;
     bool keep = error_px_ > 0.0F && view.pixels_per_radian == built_for_.pixels_per_radian;
     if (keep) {
@@ -412,7 +417,7 @@ SystemReport TerrainLod::update(const LodView& view, const LodSettings& settings
         // Starts from the last threshold, so that the choice does not flutter, and ends within 8 % of the finest that
         // fits or at the target.
         const float step = error_px_ > 0.0F ? 1.08F : 1.25F;
-        float threshold = std::max(settings.target_error_px, error_px_);
+        float threshold = std::max(settings.target_error_px, error_px_ > 0.0F ? error_px_ : 3.0F);
         bool fits = build(view, settings, threshold);
         while (!fits) {
             threshold *= step;

@@ -26,6 +26,7 @@ struct LodView {
 struct LodSettings {
     std::uint32_t max_triangles = 15000;
     float target_error_px = 1.0F; // no finer than this even where the budget would allow it
+    float haze_m = 25000.0F;      // the allowed error grows by e over this distance: haze takes contrast away
     float move_m = 3.0F;          // the triangulation is kept while the camera has moved less,
     float move_fraction = 0.02F;  // or less than this fraction of its height over the ground,
     float turn_rad = 0.07F;       // and turned less; what is kept in view is wider by as much
@@ -74,7 +75,8 @@ private:
     };
     struct Threshold {
         glm::vec3 camera_m{0.0F};
-        float ratio = 0.0F; // allowed error over distance
+        float ratio = 0.0F;    // allowed error over distance
+        float per_haze = 0.0F; // 1 / haze_m
     };
 
     [[nodiscard]] std::int64_t vertex_of(glm::ivec2 p) const; // -1: no such sample

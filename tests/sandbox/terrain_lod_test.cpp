@@ -124,8 +124,9 @@ TEST(TerrainLod, ErrorOnTheScreenIsBounded) {
             const int j = 40 + static_cast<int>(944.0F * hash_unit(s, 8, 1));
             const glm::vec3 p(terrain.inner.position_m(i, j), terrain.inner.at(i, j));
             const float error = std::abs(lod.surface_height_m(glm::vec2(p)) - p.z);
-            worst = std::max(worst,
-                             static_cast<double>(error / glm::distance(p, camera.position_m) * view.pixels_per_radian));
+            const float distance = glm::distance(p, camera.position_m);
+            const float allowed = distance * std::exp(distance / LodSettings{}.haze_m);
+            worst = std::max(worst, static_cast<double>(error / allowed * view.pixels_per_radian));
         }
         EXPECT_LE(worst, lod.error_px() * 1.001 + 1e-3);
         EXPECT_GT(worst, 0.0);

@@ -1,0 +1,147 @@
+#include "sandbox/app/panel.hpp"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <alpenglow/ephemeris/time.hpp>
+
+namespace alpenglow::sandbox {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+double altitude_deg(const glm::vec3& direction) {
+    return static_cast<double>(std::atan2(direction.z, std::hypot(direction.x, direction.y))) / degree;
+}
+
+double azimuth_deg(const glm::vec3& direction) {
+    const double azimuth = static_cast<double>(std::atan2(direction.x, direction.y)) / degree;
+    return azimuth < 0.0 ? azimuth + 360.0 : azimuth;
+}
+
+void draw_time(Game& game) {
+    WorldClock& clock = game.clock();
+    ephemeris::CalendarTime date = ephemeris::calendar_from_utc(clock.utc_j2000_s);
+    int day[3] = {date.year, date.month, date.day};
+    if (ImGui::InputInt3("date (UTC)", day, ImGuiInputTextFlags_EnterReturnsTrue)) {
+        date.year = day[0];
+        date.month = day[1];
+        date.day = day[2];
+        // A date that does not exist is left unsaid: the field shows the valid one again.
+        if (const auto utc = ephemeris::utc_from_calendar(date)) {
+            clock.utc_j2000_s = *utc;
+        }
+    }
+    const double midnight = clock.utc_j2000_s - (date.hour * 3600.0 + date.minute * 60.0 + date.second);
+    auto hours = static_cast<float>((clock.utc_j2000_s - midnight) / 3600.0);
+    if (ImGui::SliderFloat("hour (UTC)", &hours, 0.0F, 23.999F, "%.2f")) {
+        clock.utc_j2000_s = midnight + static_cast<double>(hours) * 3600.0;
+    }
+    auto rate = static_cast<float>(clock.rate);
+    if (ImGui::SliderFloat("rate", &rate, 0.0F, 10000.0F, "%.0f x", ImGuiSliderFlags_Logarithmic)) {
+        clock.rate = static_cast<double>(rate);
+    }
+}
+
+void draw_place_and_air(Game& game) {
+    Observer& observer = game.observer();
+    float place[2] = {static_cast<float>(observer.latitude_rad / degree), static_cast<float>(observer.longitude_rad / degree)};
+    if (ImGui::DragFloat2("lat, lon", place, 0.1F, -180.0F, 180.0F, "%.2f")) {
+        observer.latitude_rad = std::clamp(static_cast<double>(place[0]), -90.0, 90.0) * degree;
+        observer.longitude_rad = std::clamp(static_cast<double>(place[1]), -180.0, 180.0) * degree;
+    }
+    ImGui::SliderFloat("turbidity", &game.atmosphere().turbidity, 1.7F, 10.0F, "%.2f");
+    ImGui::SliderFloat("exposure", &game.exposure_bias_ev, -6.0F, 6.0F, "%+.1f EV");
+}
+
+void draw_reports(const Game& game) {
+    constexpr ImGuiTableFlags flags = ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp;
+    if (!ImGui::BeginTable("systems", 5, flags)) {
+        return;
+    }
+    for (const char* heading : {"system", "updated", "skipped", "ms", "bound"}) {
+        ImGui::TableSetupColumn(heading);
+    }
+    ImGui::TableHeadersRow();
+    for (const SystemReport& report : game.reports()) {
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(report.system);
+        ImGui::TableNextColumn();
+        ImGui::Text("%u", report.updated);
+        ImGui::TableNextColumn();
+        ImGui::Text("%u", report.skipped);
+        ImGui::TableNextColumn();
+        ImGui::Text("%.2f", report.cpu_ms);
+        ImGui::TableNextColumn();
+        ImGui::Text("%.1e", report.error_bound);
+    }
+    ImGui::EndTable();
+}
+
+void draw_help() {
+    ImGui::SetNextWindowPos(ImVec2(360.0F, 20.0F), ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowSize(ImVec2(330.0F, 0.0F), ImGuiCond_FirstUseEver);
+    if (ImGui::Begin("help")) {
+        ImGui::TextUnformatted("W A S D        fly\n"
+                               "Q E            down, up\n"
+                               "Shift          ten times faster\n"
+                               "mouse wheel    flying speed\n"
+                               "hold a button  look around\n"
+                               ", .            slower, faster time\n"
+                               "Space          stop and start time\n"
+                               "[ ]            an hour back, on\n"
+                               "PgUp PgDn      next, previous scene\n"
+                               "L              lean or full drawing\n"
+                               "H              hide the panel\n"
+                               "F1             this help\n"
+                               "F12            screenshot\n"
+                               "Esc            leave");
+    }
+    ImGui::End();
+}
+
+} // namespace
+
+void draw_panel(Game& game, PanelState& state) {
+    if (state.help) {
+        draw_help();
+    }
+    if (!state.visible) {
+        return;
+    }
+    ImGui::SetNextWindowPos(ImVec2(10.0F, 10.0F), ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowSize(ImVec2(330.0F, 0.0F), ImGuiCond_FirstUseEver);
+    if (ImGui::Begin("Alpenglow")) {
+        ImGui::Text("%.0f fps   %.1f ms CPU   %s", state.frame_wall_ms > 0.0 ? 1000.0 / state.frame_wall_ms : 0.0,
+                    state.frame_cpu_ms, state.device.c_str());
+        ImGui::TextUnformatted((ephemeris::format_time(game.clock().utc_j2000_s) + "   F1: help").c_str());
+        const CelestialState& bodies = game.celestial();
+        ImGui::Text("sun  %6.2f up  %6.2f az   moon %6.2f up  %6.2f az", altitude_deg(bodies.to_sun),
+                    azimuth_deg(bodies.to_sun), altitude_deg(bodies.to_moon), azimuth_deg(bodies.to_moon));
+        if (!state.scenes.empty()) {
+            const auto chosen = static_cast<std::size_t>(state.scene);
+            if (ImGui::BeginCombo("scene", state.scenes[chosen].c_str())) {
+                for (std::size_t i = 0; i < state.scenes.size(); ++i) {
+                    if (ImGui::Selectable(state.scenes[i].c_str(), i == chosen)) {
+                        state.scene = static_cast<int>(i);
+                        state.scene_chosen = true;
+                    }
+                }
+                ImGui::EndCombo();
+            }
+        }
+        draw_time(game);
+        draw_place_and_air(game);
+        draw_reports(game);
+        if (!state.message.empty()) {
+            ImGui::TextWrapped("%s", state.message.c_str());
+        }
+    }
+    ImGui::End();
+}
+
+} // namespace alpenglow::sandbox

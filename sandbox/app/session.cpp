@@ -1,0 +1,220 @@
+#include "sandbox/app/session.hpp"
+
+#include <cmath>
+#include <iostream>
+#include <utility>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <alpenglow/core/timing.hpp>
+
+#include "sandbox/app/picture.hpp"
+#include "sandbox/scene/scene.hpp"
+
+namespace alpenglow::sandbox {
+namespace {
+
+constexpr double headless_step_s = 1.0 / 60.0;
+constexpr float look_rad_per_pixel = 0.003F;
+constexpr float eye_clearance_m = 2.0F;
+
+VkExtent2D extent_of(const glm::ivec2& size) {
+    return {static_cast<std::uint32_t>(size.x), static_cast<std::uint32_t>(size.y)};
+}
+
+} // namespace
+
+Result<std::unique_ptr<Session>> Session::create(const vulkan::Device& device, const Scene& scene,
+                                                 const Options& options, Window* window, VkSurfaceKHR surface) {
+    std::unique_ptr<Session> session(new Session);
+    Session& s = *session;
+    s.device_ = &device;
+    s.window_ = window;
+    s.options_ = options;
+    const glm::ivec2 size = window != nullptr ? window->framebuffer_size() : glm::ivec2(options.width, options.height);
+    std::cerr << "alpenglow-sandbox: building the landscape\n";
+    s.game = std::make_unique<Game>(scene);
+    RendererOptions render_options{.extent = extent_of(size), .quality = scene.quality};
+#ifdef ALPENGLOW_SHADER_DIRECTORY
+    render_options.shader_directory = ALPENGLOW_SHADER_DIRECTORY;
+#endif
+    Result<std::unique_ptr<Renderer>> renderer = Renderer::create(device, s.game->world().data, render_options);
+    if (!renderer) {
+        return renderer.error();
+    }
+    s.renderer = std::move(renderer).value();
+    if (window != nullptr) {
+        Result<vulkan::Swapchain> swapchain =
+            vulkan::Swapchain::create(device, {.surface = surface, .extent = extent_of(size)});
+        if (!swapchain) {
+            return swapchain.error();
+        }
+        s.swapchain_ = std::move(swapchain).value();
+    }
+    s.panel_.device = device.info().name;
+    s.panel_.scenes = builtin_scene_names();
+    for (std::size_t i = 0; i < s.panel_.scenes.size(); ++i) {
+        if (s.panel_.scenes[i] == scene.name) {
+            s.panel_.scene = static_cast<int>(i);
+        }
+    }
+    s.stopped_rate_ = scene.time_rate > 0.0 ? scene.time_rate : 1.0;
+    s.report.scene = scene.name;
+    s.report.device = device.info().name;
+    s.report.quality = to_string(s.renderer->quality());
+    s.report.width = size.x;
+    s.report.height = size.y;
+    return session;
+}
+
+Status Session::draw(double dt_s) {
+    const VkExtent2D extent = renderer->extent();
+    const double cpu = process_cpu_seconds();
+    const double wall = wall_seconds();
+    game->update(dt_s, static_cast<int>(extent.width), static_cast<int>(extent.height));
+    const double draw_cpu = thread_cpu_seconds();
+    const Result<DrawStats> stats = renderer->draw(game->frame(), swapchain_ ? &*swapchain_ : nullptr);
+    if (!stats) {
+        return stats.error();
+    }
+    FrameReport frame;
+    frame.systems.assign(game->reports().begin(), game->reports().end());
+    // Drawing as a system: `updated` counts buffers uploaded anew, objects out of view are skipped.
+    frame.systems.push_back({.system = "draw",
+                             .considered = stats->objects_considered,
+                             .updated = stats->uploads,
+                             .skipped = stats->objects_considered - stats->objects_drawn,
+                             .cpu_ms = (thread_cpu_seconds() - draw_cpu) * 1e3});
+    if (window_ == nullptr) {
+        // A headless frame's cost is the whole of it: wait for the device.
+        if (const Status done = renderer->finish(); !done) {
+            return done;
+        }
+    }
+    frame.cpu_ms = (process_cpu_seconds() - cpu) * 1e3;
+    frame.wall_ms = (wall_seconds() - wall) * 1e3;
+    panel_.frame_cpu_ms = frame.cpu_ms;
+    if (window_ == nullptr || options_.frames > 0 || !options_.report.empty()) {
+        report.frames.push_back(std::move(frame));
+    }
+    if (swapchain_ && !stats->presented) {
+        return fit_window();
+    }
+    return Ok{};
+}
+
+Status Session::render(int frames) {
+    for (int i = 0; i < frames; ++i) {
+        if (const Status drawn = draw(i == 0 ? 0.0 : headless_step_s); !drawn) {
+            return drawn;
+        }
+    }
+    return Ok{};
+}
+
+// After the window has changed: new targets of its size.
+Status Session::fit_window() {
+    const glm::ivec2 size = window_->framebuffer_size();
+    if (size.x == 0 || size.y == 0) {
+        return Ok{}; // minimised
+    }
+    if (const Status resized = renderer->resize(extent_of(size)); !resized) {
+        return resized;
+    }
+    return swapchain_->recreate(extent_of(size));
+}
+
+Status Session::act(const Input& input, double dt_s) {
+    Camera& camera = game->camera;
+    camera.turn(input.look.x * look_rad_per_pixel, -input.look.y * look_rad_per_pixel);
+    speed_m_s_ = std::clamp(speed_m_s_ * std::exp2(static_cast<double>(input.speed_steps) * 0.25), 1.0, 5000.0);
+    const double speed = speed_m_s_ * (input.fast ? 10.0 : 1.0);
+    camera.move(glm::vec3(input.move.x, input.move.z, input.move.y) * static_cast<float>(speed * dt_s));
+    camera.stay_above(game->world().terrain.height_m(glm::vec2(camera.position_m)), eye_clearance_m);
+
+    WorldClock& clock = game->clock();
+    for (const int key : input.pressed) {
+        switch (key) {
+        case GLFW_KEY_ESCAPE: window_->close(); break;
+        case GLFW_KEY_H: panel_.visible = !panel_.visible; break;
+        case GLFW_KEY_F1: panel_.help = !panel_.help; break;
+        case GLFW_KEY_F12: panel_.screenshot = true; break;
+        case GLFW_KEY_SPACE:
+            if (clock.rate != 0.0) {
+                stopped_rate_ = std::exchange(clock.rate, 0.0);
+            } else {
+                clock.rate = stopped_rate_;
+            }
+            break;
+        case GLFW_KEY_COMMA: clock.rate = clock.rate <= 1.0 ? 0.0 : clock.rate / 10.0; break;
+        case GLFW_KEY_PERIOD: clock.rate = clock.rate < 1.0 ? 1.0 : std::min(clock.rate * 10.0, 10000.0); break;
+        case GLFW_KEY_LEFT_BRACKET: clock.utc_j2000_s -= 3600.0; break;
+        case GLFW_KEY_RIGHT_BRACKET: clock.utc_j2000_s += 3600.0; break;
+        case GLFW_KEY_PAGE_UP:
+        case GLFW_KEY_PAGE_DOWN: {
+            const int count = static_cast<int>(panel_.scenes.size());
+            panel_.scene = (panel_.scene + (key == GLFW_KEY_PAGE_UP ? 1 : count - 1)) % count;
+            panel_.scene_chosen = true;
+            break;
+        }
+        default: break;
+        }
+    }
+    if (std::exchange(panel_.scene_chosen, false)) {
+        const Result<Scene> scene = load_scene(panel_.scenes[static_cast<std::size_t>(panel_.scene)]);
+        if (!scene) {
+            return scene.error();
+        }
+        game->enter(*scene);
+    }
+    if (std::exchange(panel_.screenshot, false)) {
+        const auto pixels = renderer->read_pixels();
+        if (!pixels) {
+            return pixels.error();
+        }
+        const VkExtent2D extent = renderer->extent();
+        const std::string path = "alpenglow-" + std::to_string(++screenshots_) + ".png";
+        const Status written = write_png(path, static_cast<int>(extent.width), static_cast<int>(extent.height), *pixels);
+        panel_.message = written ? "screenshot: " + path : written.error().message();
+    }
+    return Ok{};
+}
+
+Status Session::play() {
+    double last = wall_seconds();
+    double looked_for_shaders = last;
+    int drawn_frames = 0;
+    while (!window_->should_close() && (options_.frames == 0 || drawn_frames < options_.frames)) {
+        const double now = wall_seconds();
+        const double dt_s = std::min(now - last, 0.25); // a stall does not throw the camera across the valley
+        panel_.frame_wall_ms += 0.05 * ((now - last) * 1e3 - panel_.frame_wall_ms);
+        last = now;
+        if (const Status acted = act(window_->poll(false, false), dt_s); !acted) {
+            return acted;
+        }
+        const glm::ivec2 size = window_->framebuffer_size();
+        if (size.x == 0 || size.y == 0) {
+            continue;
+        }
+        if (extent_of(size).width != renderer->extent().width || extent_of(size).height != renderer->extent().height) {
+            if (const Status fitted = fit_window(); !fitted) {
+                return fitted;
+            }
+        }
+        if (now - looked_for_shaders > 0.5) {
+            looked_for_shaders = now;
+            for (const std::string& message : renderer->reload_shaders()) {
+                panel_.message = message;
+                std::cerr << "alpenglow-sandbox: " << message << '\n';
+            }
+        }
+        if (const Status drawn = draw(dt_s); !drawn) {
+            return drawn;
+        }
+        ++drawn_frames;
+    }
+    return Ok{};
+}
+
+} // namespace alpenglow::sandbox

@@ -1,0 +1,49 @@
+// A running game on a device: the loop of a window, or a row of headless frames.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include <alpenglow/core/result.hpp>
+#include <alpenglow/vulkan/device.hpp>
+#include <alpenglow/vulkan/swapchain.hpp>
+
+#include "sandbox/app/game.hpp"
+#include "sandbox/app/panel.hpp"
+#include "sandbox/app/report.hpp"
+#include "sandbox/app/window.hpp"
+#include "sandbox/cli/options.hpp"
+#include "sandbox/render/renderer.hpp"
+
+namespace alpenglow::sandbox {
+
+struct Session {
+    // `window` is null for headless runs; `surface` belongs to it.
+    static Result<std::unique_ptr<Session>> create(const vulkan::Device& device, const Scene& scene,
+                                                   const Options& options, Window* window, VkSurfaceKHR surface);
+
+    // Renders frames a sixtieth of a second apart, whatever time they take.
+    Status render(int frames);
+    // Runs until the window is closed, or for Options::frames frames.
+    Status play();
+
+    std::unique_ptr<Game> game;
+    std::unique_ptr<Renderer> renderer;
+    RunReport report;
+
+private:
+    Status draw(double dt_s);
+    Status act(const Input& input, double dt_s);
+    Status fit_window();
+
+    const vulkan::Device* device_ = nullptr;
+    Window* window_ = nullptr;
+    std::optional<vulkan::Swapchain> swapchain_;
+    PanelState panel_;
+    Options options_;
+    double speed_m_s_ = 60.0;
+    double stopped_rate_ = 1.0; // the rate to go on with after Space
+    int screenshots_ = 0;
+};
+
+} // namespace alpenglow::sandbox
