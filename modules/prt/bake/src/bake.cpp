@@ -2,7 +2,9 @@
 
 #include "directions.hpp"
 #include "hemisphere.hpp"
+#include "points.hpp"
 #include "scene.hpp"
+#include "ticker.hpp"
 
 #include <alpenglow/prt/hash.hpp>
 
@@ -19,7 +21,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <mutex>
 #include <numeric>
 
 #include <glm/geometric.hpp>
@@ -28,12 +29,6 @@ namespace alpenglow::prt {
 namespace {
 
 constexpr std::size_t grain = 64;
-
-// A point to bake at.
-struct Point {
-    glm::vec3 origin_m{0.0F}; // lifted off the surface
-    glm::vec3 normal{0.0F};   // zero: do not bake
-};
 
 std::uint64_t settings_hash(const BakeSettings& s) {
     Hasher hasher;
@@ -77,88 +72,6 @@ Status check(const BakeSettings& s) {
     }
     return Ok{};
 }
-
-// Vertices as points: normals mended, origins lifted by a thousandth of the edges around.
-std::vector<Point> vertex_points(const Mesh& mesh) {
-    Mesh mended;
-    mended.positions = mesh.positions;
-    mended.triangles = mesh.triangles;
-    compute_normals(mended);
-    std::vector<double> length(mesh.positions.size(), 0.0);
-    std::vector<unsigned> edges(mesh.positions.size(), 0);
-    std::vector<std::uint8_t> records(mesh.positions.size(), mesh.mirror.empty() ? 1 : 0);
-    float largest = 0.0F;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        for (int i = 0; i < 3; ++i) {
-            const unsigned a = mesh.triangles[t][i];
-            const unsigned b = mesh.triangles[t][(i + 1) % 3];
-            const double edge = glm::length(glm::dvec3(mesh.positions[a]) - glm::dvec3(mesh.positions[b]));
-            length[a] += edge;
-            length[b] += edge;
-            ++edges[a];
-            ++edges[b];
-            if (!mesh.mirror.empty() && mesh.mirror[t] == 0) {
-                records[a] = 1; // a vertex of mirrors alone records no transfer
-            }
-            largest = std::max(
-                {largest, std::abs(mesh.positions[a].x), std::abs(mesh.positions[a].y), std::abs(mesh.positions[a].z)});
-        }
-    }
-    std::vector<Point> points(mesh.positions.size());
-    for (std::size_t v = 0; v < points.size(); ++v) {
-        glm::vec3 normal = mended.normals[v];
-        if (normal == glm::vec3(0.0F) || records[v] == 0) {
-            continue;
-        }
-        if (!mesh.normals.empty()) {
-            const float norm2 = glm::dot(mesh.normals[v], mesh.normals[v]);
-            if (std::abs(norm2 - 1.0F) < 1e-2F) {
-                normal = mesh.normals[v] / std::sqrt(norm2);
-            }
-        }
-        const double lift = std::max(1e-3 * length[v] / edges[v], 2e-6 * static_cast<double>(largest));
-        points[v] = {mesh.positions[v] + normal * static_cast<float>(lift), normal};
-    }
-    return points;
-}
-
-// Calls the user's callback, one thread at a time and not too often, and remembers a refusal.
-class Ticker {
-public:
-    Ticker(const ProgressCallback& callback, const char* stage, double from, double to, std::size_t total)
-        : callback_(callback), stage_(stage), from_(from), to_(to), total_(static_cast<double>(total)),
-          start_(wall_seconds()) {}
-    [[nodiscard]] bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
-    void done(std::size_t items) {
-        const std::size_t count = done_.fetch_add(items) + items;
-        if (!callback_) {
-            return;
-        }
-        const std::unique_lock lock(mutex_, std::try_to_lock);
-        const double now = wall_seconds();
-        if (!lock.owns_lock() || now - last_ < 0.05 || cancelled()) {
-            return;
-        }
-        last_ = now;
-        const double part = static_cast<double>(count) / total_;
-        const double remaining = (now - start_) * (1.0 - part) / std::max(part, 1e-9);
-        if (!callback_(Progress{from_ + (to_ - from_) * part, remaining, stage_})) {
-            cancelled_.store(true);
-        }
-    }
-
-private:
-    const ProgressCallback& callback_;
-    const char* stage_;
-    double from_;
-    double to_;
-    double total_;
-    double start_;
-    double last_ = 0.0;
-    std::atomic<std::size_t> done_{0};
-    std::atomic<bool> cancelled_{false};
-    std::mutex mutex_;
-};
 
 constexpr int most_reflections = 32;
 
