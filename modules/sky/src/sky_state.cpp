@@ -1,6 +1,7 @@
 #include <alpenglow/sky/sky_state.hpp>
 
 #include <alpenglow/core/constants.hpp>
+#include <alpenglow/sky/sky_fit.hpp>
 #include <alpenglow/sky/sky_sh.hpp>
 #include <alpenglow/sky/sun_light.hpp>
 #include <alpenglow/sky/twilight.hpp>
@@ -118,25 +119,28 @@ glm::vec3 sky_radiance(const SkyState& state, const PreethamSky<float>& model, c
 
 void project_sky_state(const SkyState& state, int bands, std::span<glm::vec3> out) {
     assert(bands >= 1 && bands <= max_sky_bands && out.size() >= static_cast<std::size_t>(bands * bands));
-    std::array<glm::dvec3, max_sky_bands * max_sky_bands> c{};
     const auto count = static_cast<std::size_t>(bands * bands);
-    if (state.fade > 0.0F) {
-        const double theta = 0.5 * pi - altitude_rad(state.to_sun);
-        project_preetham(theta, state.turbidity, bands, {12, 16}, std::span(c).first(count));
-        rotate_symmetric_sky(glm::dvec3(state.to_sun), bands, c);
+    if (!(state.fade > 0.0F)) {
+        std::fill_n(out.begin(), count, glm::vec3(0.0F));
+    } else if (state.turbidity >= 2.0F) {
+        static const SkyFitEvaluator fit(preetham_fit());
+        fit.evaluate_uncached(state.to_sun, std::span(&state.turbidity, 1), bands, out);
+    } else {
+        // Below turbidity 2 the model is at its end and the fit has none.
+        std::array<glm::dvec3, max_sky_bands * max_sky_bands> c{};
+        project_preetham(0.5 * pi - altitude_rad(state.to_sun), state.turbidity, bands, {12, 16},
+                         std::span(c).first(count));
+        rotate_symmetric_sky(glm::dvec3(state.to_sun), bands, std::span(c).first(count));
+        std::copy_n(c.begin(), count, out.begin());
     }
-    // A uniform upper hemisphere: 2 pi sqrt((2l+1) / 4 pi) times the integral of P_l over 0 .. 1.
-    constexpr std::array<double, max_sky_bands> integral{1.0, 0.5, 0.0, -0.125, 0.0, 0.0625, 0.0};
     for (std::size_t i = 0; i < count; ++i) {
-        c[i] *= static_cast<double>(state.fade);
+        out[i] *= state.fade;
     }
+    // The night: a uniform upper hemisphere, 2 pi sqrt((2l+1) / 4 pi) times the integral of P_l over 0 .. 1.
+    constexpr std::array<float, max_sky_bands> uniform{1.7724539F, 1.5349901F,  0.0F, -0.58618401F,
+                                                       0.0F,       0.36741027F, 0.0F};
     for (int l = 0; l < bands; ++l) {
-        const auto zonal = static_cast<std::size_t>(l * (l + 1));
-        c[zonal] += glm::dvec3(state.night_radiance_cd_m2) *
-                    (two_pi * std::sqrt((2 * l + 1) / (4.0 * pi)) * integral[static_cast<std::size_t>(l)]);
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-        out[i] = glm::vec3(c[i]);
+        out[static_cast<std::size_t>(l * (l + 1))] += state.night_radiance_cd_m2 * uniform[static_cast<std::size_t>(l)];
     }
 }
 

@@ -1,0 +1,232 @@
+#include "fit_simd.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fit_simd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace alpenglow::sky::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::ScalableTag<float>;
+using V = hn::Vec<D>;
+
+// N vectors of functions. The first loop sums rows of one degree, the others over all degrees.
+template <std::size_t N>
+HWY_INLINE void sum_rows(const float* HWY_RESTRICT rows, const std::int32_t* HWY_RESTRICT first,
+                         const std::int32_t* HWY_RESTRICT index, std::size_t degrees, const float* HWY_RESTRICT w,
+                         float* HWY_RESTRICT sums) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    for (std::size_t i = 0; i < degrees; ++i) {
+        V acc[N];
+        for (std::size_t n = 0; n < N; ++n) {
+            acc[n] = hn::Zero(d);
+        }
+        for (std::int32_t r = first[i]; r < first[i + 1]; ++r) {
+            const V weight = hn::Set(d, w[index[r]]);
+            const float* row = rows + static_cast<std::size_t>(r) * fit_stride;
+            for (std::size_t n = 0; n < N; ++n) {
+                acc[n] = hn::MulAdd(weight, hn::Load(d, row + n * lanes), acc[n]);
+            }
+        }
+        for (std::size_t n = 0; n < N; ++n) {
+            hn::Store(acc[n], d, sums + i * fit_stride + n * lanes);
+        }
+    }
+}
+
+// Two accumulators each, for even and odd degrees: a sum of one accumulator waits for itself.
+template <std::size_t N>
+HWY_INLINE void sum_theta(const float* HWY_RESTRICT sums, const float* HWY_RESTRICT t, std::size_t degrees,
+                          float* HWY_RESTRICT out) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    V even[N];
+    V odd[N];
+    for (std::size_t n = 0; n < N; ++n) {
+        even[n] = odd[n] = hn::Zero(d);
+    }
+    std::size_t i = 0;
+    for (; i + 1 < degrees; i += 2) {
+        const V w0 = hn::Set(d, t[i]);
+        const V w1 = hn::Set(d, t[i + 1]);
+        const float* row = sums + i * fit_stride;
+        for (std::size_t n = 0; n < N; ++n) {
+            even[n] = hn::MulAdd(w0, hn::Load(d, row + n * lanes), even[n]);
+            odd[n] = hn::MulAdd(w1, hn::Load(d, row + fit_stride + n * lanes), odd[n]);
+        }
+    }
+    if (i < degrees) {
+        const V w0 = hn::Set(d, t[i]);
+        for (std::size_t n = 0; n < N; ++n) {
+            even[n] = hn::MulAdd(w0, hn::Load(d, sums + i * fit_stride + n * lanes), even[n]);
+        }
+    }
+    for (std::size_t n = 0; n < N; ++n) {
+        hn::StoreU(hn::Add(even[n], odd[n]), d, out + n * lanes);
+    }
+}
+
+template <std::size_t N>
+HWY_INLINE void sum_all(const float* HWY_RESTRICT rows, const std::int32_t* HWY_RESTRICT first,
+                        const std::int32_t* HWY_RESTRICT index, std::size_t degrees, const float* HWY_RESTRICT w,
+                        const float* HWY_RESTRICT t, float* HWY_RESTRICT out) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    V all[N];
+    for (std::size_t n = 0; n < N; ++n) {
+        all[n] = hn::Zero(d);
+    }
+    for (std::size_t i = 0; i < degrees; ++i) {
+        const V degree = hn::Set(d, t[i]);
+        for (std::int32_t r = first[i]; r < first[i + 1]; ++r) {
+            const V weight = hn::Mul(hn::Set(d, w[index[r]]), degree);
+            const float* row = rows + static_cast<std::size_t>(r) * fit_stride;
+            for (std::size_t n = 0; n < N; ++n) {
+                all[n] = hn::MulAdd(weight, hn::Load(d, row + n * lanes), all[n]);
+            }
+        }
+    }
+    for (std::size_t n = 0; n < N; ++n) {
+        hn::StoreU(all[n], d, out + n * lanes);
+    }
+}
+
+// Calls f(count, offset) with as many vectors as cover the functions, at most six at a time.
+template <class F>
+HWY_INLINE void in_groups(std::size_t functions, const F& f) {
+    const std::size_t lanes = hn::Lanes(D());
+    std::size_t vectors = (functions + lanes - 1) / lanes;
+    std::size_t offset = 0;
+    while (vectors > 0) {
+        const std::size_t now = vectors < 6 ? vectors : 6;
+        switch (now) {
+        case 1:
+            f(std::integral_constant<std::size_t, 1>(), offset);
+            break;
+        case 2:
+            f(std::integral_constant<std::size_t, 2>(), offset);
+            break;
+        case 3:
+            f(std::integral_constant<std::size_t, 3>(), offset);
+            break;
+        case 4:
+            f(std::integral_constant<std::size_t, 4>(), offset);
+            break;
+        case 5:
+            f(std::integral_constant<std::size_t, 5>(), offset);
+            break;
+        default:
+            f(std::integral_constant<std::size_t, 6>(), offset);
+            break;
+        }
+        vectors -= now;
+        offset += now * lanes;
+    }
+}
+
+void SumRows(const float* rows, const std::int32_t* first, const std::int32_t* index, std::size_t degrees,
+             const float* w, std::size_t functions, float* sums) {
+    in_groups(functions, [&](auto n, std::size_t offset) HWY_ATTR {
+        sum_rows<decltype(n)::value>(rows + offset, first, index, degrees, w, sums + offset);
+    });
+}
+
+HWY_INLINE void expand(const float* HWY_RESTRICT functions, float k, float cos_a, float sin_a, int bands,
+                       float* HWY_RESTRICT out) {
+    float c[8];
+    float s[8];
+    c[0] = k;
+    s[0] = 0.0F;
+    for (int m = 1; m < bands; ++m) {
+        c[m] = c[m - 1] * cos_a - s[m - 1] * sin_a;
+        s[m] = s[m - 1] * cos_a + c[m - 1] * sin_a;
+    }
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+    // Four floats at a time, ascending, so that the fourth is overwritten by the next; the very last stands alone.
+    const hn::CappedTag<float, 4> d;
+    for (int l = 0; l < bands; ++l) {
+        const float* in = functions + 3 * (l * (l + 1) / 2);
+        float* at = out + 3 * (l * l);
+        for (int m = l; m > 0; --m, at += 3) {
+            hn::StoreU(hn::Mul(hn::LoadU(d, in + 3 * m), hn::Set(d, s[m])), d, at);
+        }
+        const int vectors = l + 1 < bands ? l + 1 : l;
+        for (int m = 0; m < vectors; ++m, at += 3) {
+            hn::StoreU(hn::Mul(hn::LoadU(d, in + 3 * m), hn::Set(d, c[m])), d, at);
+        }
+        for (int m = vectors; m <= l; ++m, at += 3) {
+            at[0] = in[3 * m] * c[m];
+            at[1] = in[3 * m + 1] * c[m];
+            at[2] = in[3 * m + 2] * c[m];
+        }
+    }
+#else
+    for (int l = 0; l < bands; ++l) {
+        const float* in = functions + 3 * (l * (l + 1) / 2);
+        for (int m = -l; m <= l; ++m) {
+            const int a = m < 0 ? -m : m;
+            const float turn = m < 0 ? s[a] : c[a];
+            for (int q = 0; q < 3; ++q) {
+                out[3 * (l * (l + 1) + m) + q] = in[3 * a + q] * turn;
+            }
+        }
+    }
+#endif
+}
+
+constexpr std::size_t max_degrees = 64;
+
+HWY_INLINE std::size_t functions_of(int bands) {
+    return static_cast<std::size_t>(3 * bands * (bands + 1) / 2);
+}
+
+void FromSums(const float* sums, std::size_t degrees, const FitSun& sun) {
+    float t[max_degrees + 2];
+    chebyshev(sun.x, degrees, t);
+    HWY_ALIGN float out[fit_stride];
+    in_groups(functions_of(sun.bands), [&](auto n, std::size_t offset) HWY_ATTR {
+        sum_theta<decltype(n)::value>(sums + offset, t, degrees, out + offset);
+    });
+    expand(out, sun.factor, sun.cos_a, sun.sin_a, sun.bands, sun.out);
+}
+
+void FromRows(const float* rows, const std::int32_t* first, const std::int32_t* index, std::size_t degrees,
+              const float* w, const FitSun& sun) {
+    float t[max_degrees + 2];
+    chebyshev(sun.x, degrees, t);
+    HWY_ALIGN float out[fit_stride];
+    in_groups(functions_of(sun.bands), [&](auto n, std::size_t offset) HWY_ATTR {
+        sum_all<decltype(n)::value>(rows + offset, first, index, degrees, w, t, out + offset);
+    });
+    expand(out, sun.factor, sun.cos_a, sun.sin_a, sun.bands, sun.out);
+}
+
+} // namespace
+} // namespace alpenglow::sky::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace alpenglow::sky {
+
+HWY_EXPORT(SumRows);
+HWY_EXPORT(FromSums);
+HWY_EXPORT(FromRows);
+
+void fit_sum_rows(const float* rows, const std::int32_t* first, const std::int32_t* index, std::size_t degrees,
+                  const float* w, std::size_t functions, float* sums) {
+    HWY_DYNAMIC_DISPATCH(SumRows)(rows, first, index, degrees, w, functions, sums);
+}
+void fit_from_sums(const float* sums, std::size_t degrees, const FitSun& sun) {
+    HWY_DYNAMIC_DISPATCH(FromSums)(sums, degrees, sun);
+}
+void fit_from_rows(const float* rows, const std::int32_t* first, const std::int32_t* index, std::size_t degrees,
+                   const float* w, const FitSun& sun) {
+    HWY_DYNAMIC_DISPATCH(FromRows)(rows, first, index, degrees, w, sun);
+}
+
+} // namespace alpenglow::sky
+#endif

@@ -1,0 +1,184 @@
+#include <alpenglow/sky/fit_sky.hpp>
+#include <alpenglow/sky/sky_fit.hpp>
+#include <alpenglow/sky/sky_sh.hpp>
+
+#include <alpenglow/core/constants.hpp>
+#include <alpenglow/sh/basis.hpp>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+namespace alpenglow::sky {
+namespace {
+
+template <class Vec>
+double distance(std::span<const glm::dvec3> want, std::span<const Vec> got) {
+    double difference = 0.0;
+    double norm = 0.0;
+    for (std::size_t i = 0; i < want.size(); ++i) {
+        const glm::dvec3 d = glm::dvec3(got[i]) - want[i];
+        difference += glm::dot(d, d);
+        norm += glm::dot(want[i], want[i]);
+    }
+    return std::sqrt(difference / norm);
+}
+
+// Points of a low-discrepancy sequence over the domain, none of them a node of the fit.
+TEST(SkyFit, ShippedPreethamFitKeepsItsErrors) {
+    const SkyBlackBox sky = preetham_black_box(48, 60);
+    const SkyFit& fit = preetham_fit();
+    EXPECT_LE(fit.bytes(), 66.0 * 1024);
+    std::array<double, 8> worst{};
+    for (int i = 0; i < 120; ++i) {
+        const double theta = 0.5 * pi * std::fmod(0.618034 * i, 1.0);
+        const double turbidity =
+            i % 2 == 0 ? 2.0 + 8.0 * std::fmod(0.754878 * i, 1.0) : 2.5 + 3.5 * std::fmod(0.569840 * i, 1.0);
+        const std::array<double, 2> p{theta, turbidity};
+        for (int bands : {3, 5, 7}) {
+            worst[static_cast<std::size_t>(bands)] =
+                std::max(worst[static_cast<std::size_t>(bands)], fit_error(fit, p, bands, sky).e_mean);
+        }
+    }
+    EXPECT_LT(worst[3], 2.5e-5);
+    EXPECT_LT(worst[5], 3.5e-5);
+    EXPECT_LT(worst[7], 5.0e-5);
+}
+
+TEST(SkyFit, EndsOfTheDomain) {
+    const SkyBlackBox sky = preetham_black_box(64, 80);
+    for (double theta : {0.0, 0.5 * pi}) {
+        for (double turbidity : {2.0, 2.5, 3.0, 6.0, 10.0}) {
+            const std::array<double, 2> p{theta, turbidity};
+            EXPECT_LT(fit_error(preetham_fit(), p, 7, sky).e_mean, 5e-5) << theta << ' ' << turbidity;
+        }
+    }
+    // Beyond them: held.
+    std::array<glm::dvec3, 49> at{};
+    std::array<glm::dvec3, 49> beyond{};
+    evaluate_fit(preetham_fit(), std::array{0.5 * pi, 10.0}, 7, at);
+    evaluate_fit(preetham_fit(), std::array{2.0, 99.0}, 7, beyond);
+    EXPECT_EQ(at[0], beyond[0]);
+}
+
+TEST(SkyFit, SineTermsAreExactlyZeroBeforeRotation) {
+    std::array<glm::dvec3, 49> c{};
+    evaluate_fit(preetham_fit(), std::array{0.8, 3.3}, 7, c);
+    std::array<glm::vec3, 49> f{};
+    SkyFitEvaluator evaluator(preetham_fit());
+    evaluator.evaluate(glm::vec3(std::sin(0.8F), 0.0F, std::cos(0.8F)), std::array{3.3F}, 7, f);
+    for (int l = 1; l < 7; ++l) {
+        for (int m = 1; m <= l; ++m) {
+            EXPECT_EQ(c[static_cast<std::size_t>(sh::index(l, -m))], glm::dvec3(0.0));
+            EXPECT_EQ(f[static_cast<std::size_t>(sh::index(l, -m))], glm::vec3(0.0F));
+        }
+    }
+}
+
+TEST(SkyFit, FastPathsKeepToTheReference) {
+    SkyFitEvaluator evaluator(preetham_fit());
+    std::array<glm::dvec3, 49> want{};
+    std::array<glm::vec3, 49> cached{};
+    std::array<glm::vec3, 49> straight{};
+    double worst = 0.0;
+    for (int i = 0; i < 200; ++i) {
+        const double theta = 0.5 * pi * std::fmod(0.618034 * i, 1.0);
+        const double azimuth = 0.37 * i;
+        const float turbidity = 2.0F + 0.04F * static_cast<float>(i / 10 * 10);
+        const glm::vec3 to_sun(
+            glm::dvec3(std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth), std::cos(theta)));
+        for (int bands : {1, 2, 3, 4, 5, 6, 7}) {
+            const auto count = static_cast<std::size_t>(bands * bands);
+            evaluate_fit(preetham_fit(), std::array{theta, double(turbidity)}, bands, want);
+            rotate_symmetric_sky(glm::dvec3(to_sun), bands, std::span(want).first(count));
+            evaluator.evaluate(to_sun, std::array{turbidity}, bands, std::span(cached).first(count));
+            evaluator.evaluate_uncached(to_sun, std::array{turbidity}, bands, std::span(straight).first(count));
+            const std::span<const glm::dvec3> reference = std::span(want).first(count);
+            worst = std::max(worst, distance<glm::vec3>(reference, std::span<const glm::vec3>(cached).first(count)));
+            worst = std::max(worst, distance<glm::vec3>(reference, std::span<const glm::vec3>(straight).first(count)));
+        }
+    }
+    EXPECT_LT(worst, 4e-6);
+}
+
+TEST(SkyFit, NothingIsWrittenPastTheBandsAskedFor) {
+    SkyFitEvaluator evaluator(preetham_fit());
+    for (int bands = 1; bands <= 7; ++bands) {
+        std::array<glm::vec3, 50> out;
+        out.fill(glm::vec3(-7.0F));
+        evaluator.evaluate(glm::vec3(0.6F, 0.0F, 0.8F), std::array{2.5F}, bands, out);
+        EXPECT_EQ(out[static_cast<std::size_t>(bands * bands)], glm::vec3(-7.0F));
+        EXPECT_NE(out[static_cast<std::size_t>(bands * bands - 1)], glm::vec3(-7.0F));
+    }
+}
+
+// A black box that a fit of low degree holds exactly comes back exactly.
+TEST(SkyFit, PolynomialsComeBack) {
+    SkyFitBox box;
+    box.axes = {
+        {FitMap::half_tangent, 0.1, 1.2, 0.0}, {FitMap::linear, 0.0, 1.0, 0.0}, {FitMap::linear, -1.0, 2.0, 0.0}};
+    box.nodes = {6, 4, 3};
+    box.max_e_mean = 1e-9;
+    const SkyBlackBox polynomial = [](std::span<const double> p, int bands, std::span<glm::dvec3> c) {
+        const double u = std::tan(0.5 * p[0]);
+        for (int l = 0; l < bands; ++l) {
+            for (int m = -l; m <= l; ++m) {
+                c[static_cast<std::size_t>(sh::index(l, m))] =
+                    m < 0
+                        ? glm::dvec3(0.0)
+                        : glm::dvec3(5.0 + u * u * p[1] + p[2] * p[2] * 0.1 * l, 4.0 - u * p[2] * m, 3.0 + p[1] * p[1]);
+            }
+        }
+        return 1.0;
+    };
+    SkyFitReport report;
+    Result<SkyFitPart> part = fit_sky_box(box, FitNormaliser::none, 3, polynomial, report);
+    ASSERT_TRUE(part.has_value());
+    EXPECT_LT(report.rows, 12U); // the rest is pruned
+    SkyFit fit{FitNormaliser::none, 3, {*part}};
+    EXPECT_LT(fit_error(fit, std::array{0.7, 0.3, 1.1}, 3, polynomial).e_max,
+              2e-5); // float coefficients
+}
+
+TEST(SkyFit, WritesAndReads) {
+    const std::vector<std::uint8_t> bytes = write_fit(preetham_fit());
+    Result<SkyFit> read = read_fit(bytes, "table");
+    ASSERT_TRUE(read.has_value());
+    EXPECT_EQ(write_fit(*read), bytes);
+}
+
+TEST(SkyFit, DamagedTablesAreRefusedWithAReason) {
+    const std::vector<std::uint8_t> good = write_fit(preetham_fit());
+    EXPECT_FALSE(read_fit({}, "empty.fit"));
+    EXPECT_NE(read_fit({}, "empty.fit").error().message().find("empty.fit"), std::string::npos);
+    for (std::size_t size : {4U, 11U, 12U, 40U, 1000U}) {
+        EXPECT_FALSE(read_fit(std::span(good).first(size), "short.fit")) << size;
+    }
+    for (std::size_t at : {0U, 5U, 9U, 13U, 30U, 5000U}) {
+        std::vector<std::uint8_t> bad = good;
+        bad[at] ^= 0x40U;
+        EXPECT_FALSE(read_fit(bad, "bad.fit")) << at;
+    }
+    std::vector<std::uint8_t> longer = good;
+    longer.resize(good.size() + 8);
+    EXPECT_FALSE(read_fit(longer, "long.fit"));
+}
+
+TEST(SkyFit, BadBoxesAreRefused) {
+    SkyFitReport report;
+    SkyFitBox box;
+    box.axes = {{FitMap::half_tangent, 1.0, 0.5, 0.0}};
+    box.nodes = {4};
+    EXPECT_FALSE(fit_sky_box(box, FitNormaliser::none, 3, preetham_black_box(4, 4), report));
+    box.axes = {{FitMap::half_tangent, 0.0, 0.5, 0.0}};
+    box.nodes = {1000};
+    EXPECT_FALSE(fit_sky_box(box, FitNormaliser::none, 3, preetham_black_box(4, 4), report));
+}
+
+} // namespace
+} // namespace alpenglow::sky
