@@ -1,5 +1,7 @@
 #include <alpenglow/sky/preetham.hpp>
 
+#include "fast_math.hpp"
+
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/sky/colour.hpp>
 
@@ -16,8 +18,8 @@ constexpr double least_cosine = 1e-3;
 
 template <class Real>
 Real perez(const PerezCoefficients<Real>& p, Real cos_theta, Real gamma, Real cos_gamma) {
-    return (Real(1) + p.a * std::exp(p.b / cos_theta)) *
-           (Real(1) + p.c * std::exp(p.d * gamma) + p.e * cos_gamma * cos_gamma);
+    return (Real(1) + p.a * fast_exp(p.b / cos_theta)) *
+           (Real(1) + p.c * fast_exp(p.d * gamma) + p.e * cos_gamma * cos_gamma);
 }
 
 template <class Real>
@@ -81,7 +83,7 @@ template <class Real>
 glm::vec<3, Real> luminance_chromaticity(const PreethamSky<Real>& sky, const glm::vec<3, Real>& direction) {
     const glm::vec<3, Real> v = bounded(direction);
     const Real cos_gamma = std::clamp(glm::dot(v, sky.to_sun), Real(-1), Real(1));
-    const Real gamma = std::atan2(glm::length(glm::cross(v, sky.to_sun)), cos_gamma);
+    const Real gamma = fast_angle(v, sky.to_sun, cos_gamma);
     const Real cos_theta = std::max(v.z, Real(least_cosine));
     glm::vec<3, Real> out;
     for (int k = 0; k < 3; ++k) {
