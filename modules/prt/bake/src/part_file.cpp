@@ -1,0 +1,163 @@
+#include <alpenglow/prt/part_file.hpp>
+
+#include <alpenglow/prt/hash.hpp>
+#include <alpenglow/prt/transfer_file.hpp>
+
+#include <array>
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+namespace alpenglow::prt {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "part files are written as they stand");
+
+constexpr std::array<char, 8> magic{'A', 'G', 'B', 'A', 'K', 'E', 'P', 'T'};
+constexpr std::uint32_t version = 1;
+
+struct PartHeader {
+    std::array<char, 8> magic_value = magic;
+    std::uint32_t version_value = version;
+    std::uint32_t order = 0;
+    std::uint64_t checksum = 0; // of the file with this field zero
+    std::uint32_t transport = 0;
+    std::uint32_t sampling = 0;
+    std::uint64_t rays = 0;
+    double max_error = 0.0;
+    std::uint64_t gather_rays_setting = 0;
+    std::int32_t max_bounces = 0;
+    std::uint32_t colour = 0;
+    double stop_energy = 0.0;
+    float default_albedo = 0.0F;
+    std::uint32_t reserved = 0;
+    std::uint64_t seed = 0;
+    std::uint64_t mesh_hash = 0;
+    std::uint64_t settings_hash = 0;
+    std::uint64_t first = 0;
+    std::uint64_t count = 0;
+    std::uint64_t hit_counts = 0;
+    std::uint64_t hits = 0;
+    std::uint64_t shadow_rays = 0;
+    std::uint64_t gather_rays = 0;
+    std::uint64_t inside_points = 0;
+    double cpu_s = 0.0;
+};
+static_assert(sizeof(PartHeader) == 168);
+static_assert(sizeof(GatherHit) == 8);
+
+} // namespace
+
+Status save_part(const BakeSettings& settings, const BakePart& part, const std::filesystem::path& path) {
+    PartHeader header;
+    header.order = static_cast<std::uint32_t>(settings.order);
+    header.transport = static_cast<std::uint32_t>(settings.transport);
+    header.sampling = static_cast<std::uint32_t>(settings.sampling);
+    header.rays = settings.rays;
+    header.max_error = settings.max_error;
+    header.gather_rays_setting = settings.gather_rays;
+    header.max_bounces = settings.max_bounces;
+    header.colour = settings.colour ? 1 : 0;
+    header.stop_energy = settings.stop_energy;
+    header.default_albedo = settings.default_albedo;
+    header.seed = settings.seed;
+    header.mesh_hash = part.mesh_hash;
+    header.settings_hash = part.settings_hash;
+    header.first = part.first;
+    header.count = part.count;
+    header.hit_counts = part.hit_counts.size();
+    header.hits = part.hits.size();
+    header.shadow_rays = part.shadow_rays;
+    header.gather_rays = part.gather_rays;
+    header.inside_points = part.inside_points;
+    header.cpu_s = part.cpu_s;
+    const std::array<std::span<const std::byte>, 6> data{
+        std::as_bytes(std::span(&header, 1)),      std::as_bytes(std::span(part.direct)),
+        std::as_bytes(std::span(part.visibility)), std::as_bytes(std::span(part.variance)),
+        std::as_bytes(std::span(part.hit_counts)), std::as_bytes(std::span(part.hits))};
+    Hasher hasher;
+    for (const std::span<const std::byte> part_of_file : data) {
+        hasher.add(part_of_file);
+    }
+    header.checksum = hasher.digest();
+    return write_file_atomically(path, data);
+}
+
+Result<SavedPart> load_part(const std::filesystem::path& path) {
+    const auto wrong = [&](const std::string& what, const std::string& expected) {
+        return Error{what, path.string(), expected};
+    };
+    std::error_code code;
+    const std::uint64_t bytes = std::filesystem::file_size(path, code);
+    std::ifstream file(path, std::ios::binary);
+    if (code || !file) {
+        return wrong("cannot be read", "a part written by alpenglow-bake --shard");
+    }
+    PartHeader header;
+    if (bytes < sizeof header || !file.read(reinterpret_cast<char*>(&header), sizeof header) ||
+        header.magic_value != magic) {
+        return wrong("is not a part of a bake", "a part written by alpenglow-bake --shard");
+    }
+    if (header.version_value != version) {
+        return wrong("version is " + std::to_string(header.version_value), std::to_string(version));
+    }
+    const std::uint64_t n = std::uint64_t{header.order} * header.order;
+    constexpr std::uint64_t most = std::uint64_t{1} << 40U;
+    if (header.order < 1 || header.order > 6 || header.count > most || header.hits > most ||
+        (header.hit_counts != 0 && header.hit_counts != header.count) || header.transport > 2 || header.sampling > 3 ||
+        bytes != sizeof header + 4 * (header.count * (n + 2) + header.hit_counts) + 8 * header.hits) {
+        return wrong("has " + std::to_string(bytes) + " bytes, its header says otherwise", "an undamaged part");
+    }
+    SavedPart saved;
+    BakePart& part = saved.part;
+    part.direct.resize(header.count * n);
+    part.visibility.resize(header.count);
+    part.variance.resize(header.count);
+    part.hit_counts.resize(header.hit_counts);
+    part.hits.resize(header.hits);
+    const auto read = [&](auto& values) {
+        const std::span<std::byte> to = std::as_writable_bytes(std::span(values));
+        return to.empty() ||
+               file.read(reinterpret_cast<char*>(to.data()), static_cast<std::streamsize>(to.size())).good();
+    };
+    if (!read(part.direct) || !read(part.visibility) || !read(part.variance) || !read(part.hit_counts) ||
+        !read(part.hits)) {
+        return wrong("ends early", "an undamaged part");
+    }
+    const std::uint64_t checksum = header.checksum;
+    header.checksum = 0;
+    Hasher hasher;
+    hasher.add(std::as_bytes(std::span(&header, 1)));
+    hasher.add(std::as_bytes(std::span(part.direct)));
+    hasher.add(std::as_bytes(std::span(part.visibility)));
+    hasher.add(std::as_bytes(std::span(part.variance)));
+    hasher.add(std::as_bytes(std::span(part.hit_counts)));
+    hasher.add(std::as_bytes(std::span(part.hits)));
+    if (hasher.digest() != checksum) {
+        return wrong("checksum does not match", "an undamaged part");
+    }
+    part.mesh_hash = header.mesh_hash;
+    part.settings_hash = header.settings_hash;
+    part.first = header.first;
+    part.count = header.count;
+    part.shadow_rays = header.shadow_rays;
+    part.gather_rays = header.gather_rays;
+    part.inside_points = header.inside_points;
+    part.cpu_s = header.cpu_s;
+    BakeSettings& s = saved.settings;
+    s.order = static_cast<int>(header.order);
+    s.transport = static_cast<Transport>(header.transport);
+    s.sampling = static_cast<Sampling>(header.sampling);
+    s.rays = header.rays;
+    s.max_error = header.max_error;
+    s.gather_rays = header.gather_rays_setting;
+    s.max_bounces = header.max_bounces;
+    s.colour = header.colour != 0;
+    s.stop_energy = header.stop_energy;
+    s.default_albedo = header.default_albedo;
+    s.seed = header.seed;
+    return saved;
+}
+
+} // namespace alpenglow::prt
