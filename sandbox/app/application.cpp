@@ -161,7 +161,7 @@ Exit run(const Options& options) {
             return fail(device.error(), Exit::no_device);
         }
         Result<std::unique_ptr<Session>> session =
-            Session::create(*device, *scene, options, window.get(), surface.surface);
+            Session::create(*instance, *device, *scene, options, window.get(), surface.surface);
         if (!session) {
             // A device that takes the instance but not the frame: out of memory, or a size past its limits.
             return fail(session.error(), Exit::no_device);

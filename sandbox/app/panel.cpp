@@ -22,9 +22,9 @@ double azimuth_deg(const glm::vec3& direction) {
     return azimuth < 0.0 ? azimuth + 360.0 : azimuth;
 }
 
-void draw_time(Game& game) {
+void draw_time(Game& game, double shown_utc_j2000_s) {
     WorldClock& clock = game.clock();
-    ephemeris::CalendarTime date = ephemeris::calendar_from_utc(clock.utc_j2000_s);
+    ephemeris::CalendarTime date = ephemeris::calendar_from_utc(shown_utc_j2000_s);
     int day[3] = {date.year, date.month, date.day};
     if (ImGui::InputInt3("date (UTC)", day, ImGuiInputTextFlags_EnterReturnsTrue)) {
         date.year = day[0];
@@ -35,8 +35,8 @@ void draw_time(Game& game) {
             clock.utc_j2000_s = *utc;
         }
     }
-    const double midnight = clock.utc_j2000_s - (date.hour * 3600.0 + date.minute * 60.0 + date.second);
-    auto hours = static_cast<float>((clock.utc_j2000_s - midnight) / 3600.0);
+    const double midnight = shown_utc_j2000_s - (date.hour * 3600.0 + date.minute * 60.0 + date.second);
+    auto hours = static_cast<float>((shown_utc_j2000_s - midnight) / 3600.0);
     if (ImGui::SliderFloat("hour (UTC)", &hours, 0.0F, 23.999F, "%.2f")) {
         clock.utc_j2000_s = midnight + static_cast<double>(hours) * 3600.0;
     }
@@ -57,7 +57,7 @@ void draw_place_and_air(Game& game) {
     ImGui::SliderFloat("exposure", &game.exposure_bias_ev, -6.0F, 6.0F, "%+.1f EV");
 }
 
-void draw_reports(const Game& game) {
+void draw_reports(const std::vector<SystemReport>& reports) {
     constexpr ImGuiTableFlags flags = ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp;
     if (!ImGui::BeginTable("systems", 5, flags)) {
         return;
@@ -66,7 +66,7 @@ void draw_reports(const Game& game) {
         ImGui::TableSetupColumn(heading);
     }
     ImGui::TableHeadersRow();
-    for (const SystemReport& report : game.reports()) {
+    for (const SystemReport& report : reports) {
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
         ImGui::TextUnformatted(report.system);
@@ -118,7 +118,7 @@ void draw_panel(Game& game, PanelState& state) {
     if (ImGui::Begin("Alpenglow")) {
         ImGui::Text("%.0f fps   %.1f ms CPU   %s", state.frame_wall_ms > 0.0 ? 1000.0 / state.frame_wall_ms : 0.0,
                     state.frame_cpu_ms, state.device.c_str());
-        ImGui::TextUnformatted((ephemeris::format_time(game.clock().utc_j2000_s) + "   F1: help").c_str());
+        ImGui::TextUnformatted((ephemeris::format_time(state.utc_j2000_s) + "   F1: help").c_str());
         const CelestialState& bodies = game.celestial();
         ImGui::Text("sun  %6.2f up  %6.2f az   moon %6.2f up  %6.2f az", altitude_deg(bodies.to_sun),
                     azimuth_deg(bodies.to_sun), altitude_deg(bodies.to_moon), azimuth_deg(bodies.to_moon));
@@ -134,9 +134,9 @@ void draw_panel(Game& game, PanelState& state) {
                 ImGui::EndCombo();
             }
         }
-        draw_time(game);
+        draw_time(game, state.utc_j2000_s);
         draw_place_and_air(game);
-        draw_reports(game);
+        draw_reports(state.reports);
         if (!state.message.empty()) {
             ImGui::TextWrapped("%s", state.message.c_str());
         }

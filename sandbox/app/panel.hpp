@@ -1,7 +1,6 @@
 // The HUD and the panel: frames per second, each system's report, and the things that a player may turn.
 #pragma once
 
-#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,9 @@ namespace alpenglow::sandbox {
 struct PanelState {
     double frame_wall_ms = 0.0;
     double frame_cpu_ms = 0.0;
+    std::vector<SystemReport> reports; // of a recent frame: figures that change a few times a second can be read, and
+                                       // the panel's picture is kept in between
+    double utc_j2000_s = 0.0;          // likewise
     std::string device;
     std::string message;              // a shader's error, a screenshot's path; shown until replaced
     std::vector<std::string> scenes;  // names to choose from

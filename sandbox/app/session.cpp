@@ -7,6 +7,9 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <backends/imgui_impl_glfw.h>
+#include <imgui.h>
+
 #include <alpenglow/core/timing.hpp>
 
 #include "sandbox/app/picture.hpp"
@@ -16,6 +19,7 @@ namespace alpenglow::sandbox {
 namespace {
 
 constexpr double headless_step_s = 1.0 / 60.0;
+constexpr int panel_refresh_frames = 15;
 constexpr float look_rad_per_pixel = 0.003F;
 constexpr float eye_clearance_m = 2.0F;
 
@@ -25,8 +29,9 @@ VkExtent2D extent_of(const glm::ivec2& size) {
 
 } // namespace
 
-Result<std::unique_ptr<Session>> Session::create(const vulkan::Device& device, const Scene& scene,
-                                                 const Options& options, Window* window, VkSurfaceKHR surface) {
+Result<std::unique_ptr<Session>> Session::create(const vulkan::Instance& instance, const vulkan::Device& device,
+                                                 const Scene& scene, const Options& options, Window* window,
+                                                 VkSurfaceKHR surface) {
     std::unique_ptr<Session> session(new Session);
     Session& s = *session;
     s.device_ = &device;
@@ -52,6 +57,16 @@ Result<std::unique_ptr<Session>> Session::create(const vulkan::Device& device, c
         }
         s.swapchain_ = std::move(swapchain).value();
     }
+    if (window != nullptr || options.hud) {
+        s.imgui_ = ImGui::CreateContext();
+        ImGui::GetIO().IniFilename = nullptr; // the panel's places are not worth a file in the player's folder
+        if (window != nullptr) {
+            ImGui_ImplGlfw_InitForVulkan(window->handle(), true);
+        }
+        if (const Status enabled = s.renderer->enable_hud(instance); !enabled) {
+            return enabled.error();
+        }
+    }
     s.panel_.device = device.info().name;
     s.panel_.scenes = builtin_scene_names();
     for (std::size_t i = 0; i < s.panel_.scenes.size(); ++i) {
@@ -68,13 +83,46 @@ Result<std::unique_ptr<Session>> Session::create(const vulkan::Device& device, c
     return session;
 }
 
+Session::~Session() {
+    renderer.reset(); // owns ImGui's Vulkan backend
+    if (imgui_ != nullptr) {
+        if (window_ != nullptr) {
+            ImGui_ImplGlfw_Shutdown();
+        }
+        ImGui::DestroyContext(imgui_);
+    }
+}
+
+// The panel's draw data for this frame; null where there is none.
+ImDrawData* Session::draw_hud() {
+    if (imgui_ == nullptr) {
+        return nullptr;
+    }
+    if (--frames_until_refresh_ <= 0) {
+        frames_until_refresh_ = panel_refresh_frames;
+        panel_.reports.assign(game->reports().begin(), game->reports().end());
+        panel_.utc_j2000_s = game->clock().utc_j2000_s;
+    }
+    if (window_ != nullptr) {
+        ImGui_ImplGlfw_NewFrame();
+    } else {
+        ImGuiIO& io = ImGui::GetIO();
+        io.DisplaySize = {static_cast<float>(options_.width), static_cast<float>(options_.height)};
+        io.DeltaTime = static_cast<float>(headless_step_s);
+    }
+    ImGui::NewFrame();
+    draw_panel(*game, panel_);
+    ImGui::Render();
+    return ImGui::GetDrawData();
+}
+
 Status Session::draw(double dt_s) {
     const VkExtent2D extent = renderer->extent();
     const double cpu = process_cpu_seconds();
     const double wall = wall_seconds();
     game->update(dt_s, static_cast<int>(extent.width), static_cast<int>(extent.height));
     const double draw_cpu = thread_cpu_seconds();
-    const Result<DrawStats> stats = renderer->draw(game->frame(), swapchain_ ? &*swapchain_ : nullptr);
+    const Result<DrawStats> stats = renderer->draw(game->frame(), swapchain_ ? &*swapchain_ : nullptr, draw_hud());
     if (!stats) {
         return stats.error();
     }
@@ -94,7 +142,10 @@ Status Session::draw(double dt_s) {
     }
     frame.cpu_ms = (process_cpu_seconds() - cpu) * 1e3;
     frame.wall_ms = (wall_seconds() - wall) * 1e3;
-    panel_.frame_cpu_ms = frame.cpu_ms;
+    if (frames_until_refresh_ <= 1) {
+        panel_.frame_cpu_ms = frame.cpu_ms;
+        panel_.frame_wall_ms = frame.wall_ms;
+    }
     if (window_ == nullptr || options_.frames > 0 || !options_.report.empty()) {
         report.frames.push_back(std::move(frame));
     }
@@ -188,9 +239,8 @@ Status Session::play() {
     while (!window_->should_close() && (options_.frames == 0 || drawn_frames < options_.frames)) {
         const double now = wall_seconds();
         const double dt_s = std::min(now - last, 0.25); // a stall does not throw the camera across the valley
-        panel_.frame_wall_ms += 0.05 * ((now - last) * 1e3 - panel_.frame_wall_ms);
         last = now;
-        if (const Status acted = act(window_->poll(false, false), dt_s); !acted) {
+        if (const Status acted = act(window_->poll(ImGui::GetIO().WantCaptureMouse, ImGui::GetIO().WantCaptureKeyboard), dt_s); !acted) {
             return acted;
         }
         const glm::ivec2 size = window_->framebuffer_size();

@@ -6,6 +6,7 @@
 
 #include <alpenglow/core/result.hpp>
 #include <alpenglow/vulkan/device.hpp>
+#include <alpenglow/vulkan/instance.hpp>
 #include <alpenglow/vulkan/swapchain.hpp>
 
 #include "sandbox/app/game.hpp"
@@ -15,12 +16,19 @@
 #include "sandbox/cli/options.hpp"
 #include "sandbox/render/renderer.hpp"
 
+struct ImGuiContext;
+struct ImDrawData;
+
 namespace alpenglow::sandbox {
 
 struct Session {
     // `window` is null for headless runs; `surface` belongs to it.
-    static Result<std::unique_ptr<Session>> create(const vulkan::Device& device, const Scene& scene,
-                                                   const Options& options, Window* window, VkSurfaceKHR surface);
+    static Result<std::unique_ptr<Session>> create(const vulkan::Instance& instance, const vulkan::Device& device,
+                                                   const Scene& scene, const Options& options, Window* window,
+                                                   VkSurfaceKHR surface);
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
 
     // Renders frames a sixtieth of a second apart, whatever time they take.
     Status render(int frames);
@@ -32,6 +40,8 @@ struct Session {
     RunReport report;
 
 private:
+    Session() = default;
+    ImDrawData* draw_hud();
     Status draw(double dt_s);
     Status act(const Input& input, double dt_s);
     Status fit_window();
@@ -40,6 +50,8 @@ private:
     Window* window_ = nullptr;
     std::optional<vulkan::Swapchain> swapchain_;
     PanelState panel_;
+    ImGuiContext* imgui_ = nullptr; // null where no panel is drawn
+    int frames_until_refresh_ = 0;
     Options options_;
     double speed_m_s_ = 60.0;
     double stopped_rate_ = 1.0; // the rate to go on with after Space
