@@ -11,6 +11,7 @@
 
 #include "sandbox/app/exposure.hpp"
 #include "sandbox/render/sky_dome.hpp"
+#include "sandbox/world/terrain_mesh.hpp"
 
 namespace alpenglow::sandbox {
 
@@ -43,7 +44,8 @@ void Game::enter(const Scene& scene) {
     observer() = {.latitude_rad = scene.latitude_deg * degree_rad,
                   .longitude_rad = scene.longitude_deg * degree_rad,
                   .height_m = scene.height_m};
-    atmosphere() = {.turbidity = scene.turbidity, .ozone_atm_cm = scene.ozone_atm_cm, .ground_albedo = scene.ground_albedo};
+    atmosphere() = {
+        .turbidity = scene.turbidity, .ozone_atm_cm = scene.ozone_atm_cm, .ground_albedo = scene.ground_albedo};
     camera = scene_camera(scene);
     exposure_bias_ev = scene.exposure_bias_ev;
     exposed_ = false;
@@ -94,6 +96,7 @@ void Game::update_frame(double dt_s, float aspect) {
     frame_.view = camera.view();
     frame_.projection = camera.projection(aspect);
     frame_.camera_m = camera.position_m;
+    frame_.camera_horizon = terrain_horizon(world_->terrain, world_->data.terrain, glm::vec2(camera.position_m));
     const float exposure = automatic_exposure(light_.average_luminance_cd_m2, exposure_bias_ev);
     frame_.exposure = exposed_ ? adapt_exposure(frame_.exposure, exposure, static_cast<float>(dt_s)) : exposure;
     exposed_ = true;

@@ -29,6 +29,20 @@ float azimuth_steps(glm::vec3 towards) {
     return steps < 0.0F ? steps + 16.0F : steps;
 }
 
+// As light.glsl's functions of these names.
+float disc_over_horizon(float height, float radius) {
+    const float x = std::clamp(height / radius, -1.0F, 1.0F);
+    return 0.5F + (x * std::sqrt(std::max(1.0F - x * x, 0.0F)) + std::asin(x)) / kPi;
+}
+
+float horizon_elevation(const std::array<std::uint32_t, 4>& horizon, glm::uvec4 at, float weight) {
+    const auto decode = [&horizon](std::uint32_t word, std::uint32_t shift) {
+        const float root = static_cast<float>(horizon[word] >> shift & 0xFFU) / 255.0F;
+        return 0.5F * kPi * root * root;
+    };
+    return (1.0F - weight) * decode(at.x, at.y) + weight * decode(at.z, at.w);
+}
+
 float elevation(glm::vec3 towards) {
     return std::atan2(towards.z, std::hypot(towards.x, towards.y));
 }
@@ -144,6 +158,9 @@ gpu::FrameBlock make_frame_block(const FrameData& frame, const SkyExtract& sky, 
                     elevation(frame.to_moon)};
     block.sun_sector = sector(sun_steps);
     block.moon_sector = sector(moon_steps);
+    block.haze.x =
+        disc_over_horizon(block.sector.z - horizon_elevation(frame.camera_horizon, block.sun_sector, block.sector.x),
+                          frame.sun_angular_radius_rad);
     for (std::size_t i = 0; i < sky.horizon.size(); ++i) {
         block.horizon_light[i] = with(sky.horizon[i] * exposure, 0.0F);
     }

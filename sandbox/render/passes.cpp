@@ -47,9 +47,10 @@ constexpr std::array<VkVertexInputAttributeDescription, 2> kSkyAttributes{
      {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(SkyVertex, radiance_cd_m2)}}};
 constexpr std::array<VkVertexInputBindingDescription, 1> kShadowBindings{
     {{0, sizeof(ShadowVertex), VK_VERTEX_INPUT_RATE_VERTEX}}};
-constexpr std::array<VkVertexInputAttributeDescription, 2> kShadowAttributes{
+constexpr std::array<VkVertexInputAttributeDescription, 3> kShadowAttributes{
     {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ShadowVertex, position_m)},
-     {1, 0, VK_FORMAT_R32_SFLOAT, offsetof(ShadowVertex, shade)}}};
+     {1, 0, VK_FORMAT_R32_SFLOAT, offsetof(ShadowVertex, shade)},
+     {2, 0, VK_FORMAT_R32G32B32A32_UINT, offsetof(ShadowVertex, horizon)}}};
 
 // One shader of a pipeline.
 vulkan::ShaderSource vertex(std::span<const std::uint32_t> spirv, const char* file) {
@@ -99,8 +100,10 @@ Status create_layouts(const vulkan::Device& device, Quality quality, Passes& pas
     passes.frame_set = std::move(frame_set).value();
     passes.image_set = std::move(image_set).value();
     const VkPushConstantRange push{VK_SHADER_STAGE_VERTEX_BIT, 0, 16};
-    const std::array<VkDescriptorSetLayout, 2> sets{passes.frame_set.get(), passes.image_set.get()};
-    Result<vulkan::PipelineLayout> scene = vulkan::create_pipeline_layout(device, sets, {&push, 1});
+    const VkPushConstantRange scene_push{kBoth, 0, sizeof(ScenePush)};
+    const std::array<VkDescriptorSetLayout, 3> sets{passes.frame_set.get(), passes.image_set.get(),
+                                                    passes.image_set.get()};
+    Result<vulkan::PipelineLayout> scene = vulkan::create_pipeline_layout(device, sets, {&scene_push, 1});
     Result<vulkan::PipelineLayout> image = vulkan::create_pipeline_layout(device, std::span(sets).last(1), {&push, 1});
     if (!scene || !image) {
         return !scene ? scene.error() : image.error();
@@ -199,6 +202,7 @@ std::vector<Recipe> list_pipelines(Quality quality, const Passes& passes) {
         const std::vector<vulkan::ShaderSource> sources{vertex(surface_full_vert, "passes/surface_full.vert"),
                                                         fragment(surface_full_frag, "passes/surface_full.frag")};
         recipes.push_back({Passes::terrain, sources, {0}, surface});
+        recipes.push_back({Passes::terrain_far, sources, {0}, surface});
         recipes.push_back({Passes::objects, sources, {1}, surface});
         recipes.push_back({Passes::shadow_map, {vertex(shadow_map_vert, "passes/shadow_map.vert")}, {}, shadow_map});
         recipes.push_back({Passes::resolve,
@@ -206,11 +210,10 @@ std::vector<Recipe> list_pipelines(Quality quality, const Passes& passes) {
                            {},
                            resolve});
     } else {
-        recipes.push_back({Passes::terrain,
-                           {vertex(terrain_lean_vert, "passes/terrain_lean.vert"),
-                            fragment(terrain_lean_frag, "passes/terrain_lean.frag")},
-                           {0},
-                           surface});
+        const std::vector<vulkan::ShaderSource> terrain{vertex(terrain_lean_vert, "passes/terrain_lean.vert"),
+                                                        fragment(terrain_lean_frag, "passes/terrain_lean.frag")};
+        recipes.push_back({Passes::terrain, terrain, {0, 1}, surface});
+        recipes.push_back({Passes::terrain_far, terrain, {0, 0}, surface});
         recipes.push_back(
             {Passes::objects,
              {vertex(object_lean_vert, "passes/object_lean.vert"), fragment(color_frag, "passes/color.frag")},

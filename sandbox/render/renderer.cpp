@@ -1,5 +1,6 @@
 #include "sandbox/render/renderer.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
@@ -7,8 +8,8 @@
 
 #include <alpenglow/vulkan/transfer.hpp>
 
+#include "sandbox/render/detail_image.hpp"
 #include "sandbox/render/sky_dome.hpp"
-#include "sandbox/render/terrain_image.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
@@ -98,7 +99,7 @@ Renderer::~Renderer() {
 
 Status Renderer::create_descriptors() {
     const auto grids = static_cast<std::uint32_t>(terrain_grids_.size());
-    const std::uint32_t images = grids + 2; // and the scene to resolve, and the HUD's picture
+    const std::uint32_t images = grids + 3; // and detail, the scene to resolve, the HUD's picture
     const std::array<VkDescriptorPoolSize, 2> sizes{
         {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, frames_in_flight_},
          {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, images + frames_in_flight_}}};
@@ -109,12 +110,16 @@ Status Renderer::create_descriptors() {
     descriptors_ = std::move(pool).value();
 
     Result<vulkan::Sampler> terrain = vulkan::create_sampler(device_, {});
+    Result<vulkan::Sampler> detail = vulkan::create_sampler(device_, {.address = VK_SAMPLER_ADDRESS_MODE_REPEAT});
     Result<vulkan::Sampler> shadow = vulkan::create_sampler(device_, {.compare_greater = true});
     Result<vulkan::Sampler> point = vulkan::create_sampler(device_, {.filter = VK_FILTER_NEAREST});
-    if (!terrain || !shadow || !point) {
-        return !terrain ? terrain.error() : !shadow ? shadow.error() : point.error();
+    for (const Result<vulkan::Sampler>* sampler : {&terrain, &detail, &shadow, &point}) {
+        if (!*sampler) {
+            return sampler->error();
+        }
     }
     terrain_sampler_ = std::move(terrain).value();
+    detail_sampler_ = std::move(detail).value();
     shadow_sampler_ = std::move(shadow).value();
     point_sampler_ = std::move(point).value();
 
@@ -130,7 +135,7 @@ Status Renderer::create_descriptors() {
         slots_.push_back({std::move(block).value(), *set});
     }
     terrain_images_.resize(grids);
-    std::vector<VkDescriptorSet*> sets{&resolve_set_, &hud_set_};
+    std::vector<VkDescriptorSet*> sets{&resolve_set_, &hud_set_, &detail_set_};
     for (TerrainImage& image : terrain_images_) {
         sets.push_back(&image.set);
     }
@@ -178,26 +183,29 @@ Status Renderer::upload_world(const WorldData& world) {
 }
 
 Status Renderer::upload_terrain_images(const WorldData& world) {
-    for (std::size_t i = 0; i < terrain_grids_.size(); ++i) {
+    const auto upload = [&](std::uint32_t size, const std::vector<std::byte>& texels, VkSampler sampler,
+                            VkDescriptorSet set, std::optional<vulkan::Image>& image) -> Status {
+        Result<vulkan::Image> created = vulkan::Image::create(
+            device_, {VK_FORMAT_R8G8B8A8_UNORM,
+                      {size, size},
+                      VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                      static_cast<std::uint32_t>(std::bit_width(size))});
+        if (!created) {
+            return created.error();
+        }
+        image = std::move(created).value();
+        vulkan::write_image_descriptor(device_, set, 0, image->view(), sampler);
+        return vulkan::upload_image(device_, *image, texels);
+    };
+    Status status = upload(kDetailSize, detail_texels(), detail_sampler_.get(), detail_set_, detail_image_);
+    for (std::size_t i = 0; status && i < terrain_grids_.size(); ++i) {
         const TerrainGrid& grid = terrain_grids_[i];
         TerrainImage& terrain = terrain_images_[i];
         terrain.from_position = image_from_position(grid);
-        Result<vulkan::Image> image = vulkan::Image::create(
-            device_, {VK_FORMAT_R8G8B8A8_UNORM,
-                      {grid.samples, grid.samples},
-                      VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                      static_cast<std::uint32_t>(std::bit_width(grid.samples))});
-        if (!image) {
-            return image.error();
-        }
-        terrain.image = std::move(image).value();
-        const std::vector<std::byte> texels = terrain_texels(world.terrain.vertices, grid);
-        if (const Status uploaded = vulkan::upload_image(device_, *terrain.image, texels); !uploaded) {
-            return uploaded;
-        }
-        vulkan::write_image_descriptor(device_, terrain.set, 0, terrain.image->view(), terrain_sampler_.get());
+        status = upload(grid.samples, terrain_texels(world.terrain.vertices, grid), terrain_sampler_.get(), terrain.set,
+                        terrain.image);
     }
-    return Ok{};
+    return status;
 }
 
 Status Renderer::create_targets(VkExtent2D extent) {
@@ -270,10 +278,7 @@ Status Renderer::update_buffers(const FrameData& frame, std::uint32_t slot, Draw
     if (terrain_revision_ != frame.terrain_indices_revision) {
         terrain_revision_ = frame.terrain_indices_revision;
         std::vector<std::uint32_t> sorted(frame.terrain_indices.size());
-        const std::vector<std::uint32_t> counts = sort_by_grid(frame.terrain_indices, terrain_grids_, sorted);
-        for (std::size_t i = 0; i < counts.size(); ++i) {
-            terrain_images_[i].index_count = counts[i];
-        }
+        terrain_runs_ = sort_terrain(frame.terrain_indices, terrain_grids_, glm::vec2(frame.camera_m), sorted);
         copy(terrain_indices_, std::span<const std::uint32_t>(sorted));
     }
     if (decal_revision_ != frame.shadow_revision && quality_ == Quality::lean) {
@@ -344,32 +349,32 @@ void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, Dr
         stats.triangles += count / 3;
     };
     const VkPipelineLayout layout = passes_.scene_layout.get();
-    const auto bind_terrain_image = [&](const TerrainImage& terrain) {
+    const auto push = [&](const ScenePush& constants) {
+        vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
+                           sizeof constants, &constants);
+    };
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 2, 1, &detail_set_, 0, nullptr);
+    const auto bind_terrain_image = [&](const TerrainImage& terrain, std::uint32_t tile) {
         vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1, &terrain.set, 0, nullptr);
-        vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof terrain.from_position,
-                           &terrain.from_position);
+        const std::uint32_t coarser = std::min<std::uint32_t>(tile + 1, kDetailTiles.size() - 1);
+        push({terrain.from_position, {kDetailTiles[tile], kDetailTiles[coarser]}});
     };
     // Near things first, the sky last: what is hidden costs no fragment.
     if (!visible_.objects().empty()) {
         bind(Passes::objects);
         if (!terrain_images_.empty()) {
-            bind_terrain_image(terrain_images_.front()); // objects do not read it, but share the terrain's shader
+            bind_terrain_image(terrain_images_.front(), 0); // objects do not read it, but share the terrain's shader
         }
         record_objects(commands, visible_.runs(), visible_instances_.get(), stats);
     }
     if (!frame.terrain_indices.empty()) {
-        bind(Passes::terrain);
         bind_vertices(commands, 0, terrain_vertices_->get());
         bind_vertices(commands, 1, terrain_vertices_->get()); // not read: the terrain is one piece
         vkCmdBindIndexBuffer(commands, terrain_indices_.get(), 0, VK_INDEX_TYPE_UINT32);
-        // The finest grid, which is the nearest, first.
-        auto first = static_cast<std::uint32_t>(frame.terrain_indices.size());
-        for (auto terrain = terrain_images_.rbegin(); terrain != terrain_images_.rend(); ++terrain) {
-            first -= terrain->index_count;
-            if (terrain->index_count > 0) {
-                bind_terrain_image(*terrain);
-                draw_indexed(terrain->index_count, first);
-            }
+        for (const TerrainRun& run : terrain_runs_) {
+            bind(run.tile + 1 < kDetailTiles.size() ? Passes::terrain : Passes::terrain_far);
+            bind_terrain_image(terrain_images_[run.grid], run.tile);
+            draw_indexed(run.index_count, run.first_index);
         }
     }
     if (!frame.shadow_indices.empty() && quality_ == Quality::lean &&
@@ -387,7 +392,7 @@ void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, Dr
     }
     const auto draw_disc = [&](Passes::Name name, std::uint32_t body) {
         bind(name);
-        vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof body, &body);
+        push({.grid = glm::vec4(std::bit_cast<float>(body), 0.0F, 0.0F, 0.0F)});
         vkCmdDraw(commands, 4, 1, 0, 0);
         ++stats.draws;
         stats.triangles += 2;

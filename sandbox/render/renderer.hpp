@@ -20,6 +20,7 @@
 #include "sandbox/render/gpu_data.hpp"
 #include "sandbox/render/hud.hpp"
 #include "sandbox/render/passes.hpp"
+#include "sandbox/render/terrain_image.hpp"
 #include "sandbox/render/visible_objects.hpp"
 #include "sandbox/world/render_data.hpp"
 
@@ -103,7 +104,6 @@ private:
         std::optional<vulkan::Image> image;
         VkDescriptorSet set = VK_NULL_HANDLE;
         glm::vec4 from_position{0.0F};
-        std::uint32_t index_count = 0; // of the current triangulation
     };
 
     const vulkan::Device& device_;
@@ -112,7 +112,7 @@ private:
     std::uint32_t frames_in_flight_ = 2;
     Passes passes_;
     vulkan::DescriptorPool descriptors_;
-    vulkan::Sampler terrain_sampler_, shadow_sampler_, point_sampler_;
+    vulkan::Sampler terrain_sampler_, detail_sampler_, shadow_sampler_, point_sampler_;
     vulkan::RenderTarget scene_target_, shadow_target_, final_target_; // lean: the first alone
     VkDescriptorSet resolve_set_ = VK_NULL_HANDLE;
     VkDescriptorSet hud_set_ = VK_NULL_HANDLE;
@@ -124,6 +124,9 @@ private:
     std::optional<vulkan::Buffer> terrain_vertices_;
     std::vector<TerrainGrid> terrain_grids_;
     std::vector<TerrainImage> terrain_images_; // one a grid
+    std::vector<TerrainRun> terrain_runs_;     // of the current triangulation
+    std::optional<vulkan::Image> detail_image_;
+    VkDescriptorSet detail_set_ = VK_NULL_HANDLE;
     std::optional<vulkan::Buffer> object_vertices_;
     std::optional<vulkan::Buffer> object_indices_;
     std::optional<vulkan::Buffer> all_instances_; // for the shadow map

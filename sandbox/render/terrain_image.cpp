@@ -1,10 +1,11 @@
 #include "sandbox/render/terrain_image.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
-#include <glm/vec2.hpp>
+#include <glm/geometric.hpp>
 
 namespace alpenglow::sandbox {
 namespace {
@@ -54,34 +55,56 @@ glm::vec4 image_from_position(const TerrainGrid& grid) {
     return {1.0F / side_m, offset.x, offset.y, 0.0F};
 }
 
-std::vector<std::uint32_t> sort_by_grid(std::span<const std::uint32_t> indices, std::span<const TerrainGrid> grids,
-                                        std::span<std::uint32_t> sorted) {
+std::vector<TerrainRun> sort_terrain(std::span<const std::uint32_t> indices, std::span<const TerrainGrid> grids,
+                                     glm::vec2 camera_m, std::span<std::uint32_t> sorted) {
     assert(!grids.empty() && sorted.size() == indices.size());
-    std::vector<std::uint32_t> grid_of(indices.size() / 3, 0);
-    std::vector<std::uint32_t> counts(grids.size(), 0);
-    for (std::size_t t = 0; t < grid_of.size(); ++t) {
-        for (std::size_t g = grids.size(); g-- > 1;) {
-            const bool inside = std::all_of(indices.begin() + static_cast<std::ptrdiff_t>(3 * t),
-                                            indices.begin() + static_cast<std::ptrdiff_t>(3 * t + 3),
-                                            [&](std::uint32_t v) { return contains(grids[g], position_of(v, grids)); });
-            if (inside) {
-                grid_of[t] = static_cast<std::uint32_t>(g);
-                break;
-            }
+    constexpr std::size_t kTiles = kDetailTiles.size();
+    const std::size_t triangles = indices.size() / 3;
+    // A key for each triangle: tile first, so that the nearest are drawn first, then grid from fine to coarse.
+    std::vector<std::uint8_t> keys(triangles);
+    std::vector<TerrainRun> runs(kTiles * grids.size());
+    for (std::size_t t = 0; t < triangles; ++t) {
+        std::array<glm::vec2, 3> corners{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            corners[k] = position_of(indices[3 * t + k], grids);
         }
-        counts[grid_of[t]] += 3;
+        const auto inside = [&corners](const TerrainGrid& grid) {
+            return std::all_of(corners.begin(), corners.end(), [&grid](glm::vec2 p) { return contains(grid, p); });
+        };
+        std::size_t grid = grids.size() - 1;
+        while (grid > 0 && !inside(grids[grid])) {
+            --grid;
+        }
+        // No nearer than the ball around the triangle; the margin covers how far the camera moves before the
+        // triangulation is made anew.
+        const glm::vec2 middle = (corners[0] + corners[1] + corners[2]) / 3.0F;
+        float radius = 0.0F;
+        for (const glm::vec2 corner : corners) {
+            radius = std::max(radius, glm::distance(middle, corner));
+        }
+        const float distance = glm::distance(middle, camera_m) - radius;
+        std::size_t tile = 0;
+        while (tile + 1 < kTiles && distance > 1.2F * kNearTiles * kDetailTiles[tile]) {
+            ++tile;
+        }
+        const std::size_t key = tile * grids.size() + (grids.size() - 1 - grid);
+        keys[t] = static_cast<std::uint8_t>(key);
+        runs[key].grid = static_cast<std::uint32_t>(grid);
+        runs[key].tile = static_cast<std::uint32_t>(tile);
+        runs[key].index_count += 3;
     }
-    std::size_t next = 0;
-    for (std::uint32_t g = 0; g < grids.size(); ++g) {
-        for (std::size_t t = 0; t < grid_of.size(); ++t) {
-            if (grid_of[t] == g) {
-                std::copy_n(indices.begin() + static_cast<std::ptrdiff_t>(3 * t), 3,
-                            sorted.begin() + static_cast<std::ptrdiff_t>(next));
-                next += 3;
-            }
+    std::vector<std::uint32_t> next(runs.size(), 0);
+    for (std::size_t key = 1; key < runs.size(); ++key) {
+        runs[key].first_index = runs[key - 1].first_index + runs[key - 1].index_count;
+        next[key] = runs[key].first_index;
+    }
+    for (std::size_t t = 0; t < triangles; ++t) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            sorted[next[keys[t]]++] = indices[3 * t + k];
         }
     }
-    return counts;
+    std::erase_if(runs, [](const TerrainRun& run) { return run.index_count == 0; });
+    return runs;
 }
 
 } // namespace alpenglow::sandbox

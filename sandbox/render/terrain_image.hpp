@@ -1,11 +1,13 @@
-// The terrain's grids as images, and its triangles sorted by the grid that they read.
+// The terrain's grids as images, and its triangles sorted by the images that they read.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 
 #include "sandbox/world/render_data.hpp"
@@ -18,10 +20,23 @@ namespace alpenglow::sandbox {
 // From positions to image coordinates: x * position + (y, z), texel centres on vertices.
 [[nodiscard]] glm::vec4 image_from_position(const TerrainGrid& grid);
 
-// The triangles in `indices`, those that lie wholly in the finest grid last, and so on down to the coarsest, which
-// takes the rest. Writes indices.size() indices to `sorted`; returns the number of indices for each grid.
-[[nodiscard]] std::vector<std::uint32_t> sort_by_grid(std::span<const std::uint32_t> indices,
-                                                      std::span<const TerrainGrid> grids,
-                                                      std::span<std::uint32_t> sorted);
+// Sides of the detail's tile, in metres. Ground nearer than kNearTiles times a side shows that size; each pixel shows
+// at most two.
+inline constexpr std::array<float, 3> kDetailTiles{22.0F, 280.0F, 3600.0F};
+inline constexpr float kNearTiles = 5.5F;
+
+// A run of triangles that are drawn alike.
+struct TerrainRun {
+    std::uint32_t grid = 0; // the finest that contains the triangles
+    std::uint32_t tile = 0; // the finest in kDetailTiles that they show
+    std::uint32_t first_index = 0;
+    std::uint32_t index_count = 0;
+};
+
+// Sorts triangles into runs, the nearest first. Writes indices.size() indices to `sorted`. Distance is taken over the
+// map.
+[[nodiscard]] std::vector<TerrainRun> sort_terrain(std::span<const std::uint32_t> indices,
+                                                   std::span<const TerrainGrid> grids, glm::vec2 camera_m,
+                                                   std::span<std::uint32_t> sorted);
 
 } // namespace alpenglow::sandbox

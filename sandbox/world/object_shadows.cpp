@@ -209,6 +209,7 @@ void ObjectShadows::build(const ShadowInput& input, const TerrainLod& lod, const
         const int columns = static_cast<int>(std::ceil((u1 - u0) / cell));
         const int rows = static_cast<int>(std::ceil(2.0F * half / cell));
         const auto width = static_cast<std::size_t>(columns + 1);
+        const std::array<std::uint32_t, 4>& horizon = objects_[group.objects.front()].horizon;
         std::vector<ShadowVertex> grid;
         grid.reserve(width * static_cast<std::size_t>(rows + 1));
         for (int r = 0; r <= rows; ++r) {
@@ -218,7 +219,7 @@ void ObjectShadows::build(const ShadowInput& input, const TerrainLod& lod, const
                 const glm::vec3 ground(p, lod.surface_height_m(p) + lift_m);
                 const glm::vec3 q = ground - group.centre_m;
                 const glm::vec3 seen(glm::dot(q, frame.across), glm::dot(q, frame.up), glm::dot(q, frame.along));
-                grid.push_back({ground, shade(casters, seen, tangent, 0.6F * cell)});
+                grid.push_back({ground, shade(casters, seen, tangent, 0.6F * cell), horizon});
             }
         }
         // Cells without shade are left out.

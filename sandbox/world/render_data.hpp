@@ -42,6 +42,7 @@ struct ObjectInstance {
 struct ShadowVertex {
     glm::vec3 position_m;
     float shade;
+    std::array<std::uint32_t, 4> horizon{};  // of the terrain there, as in Vertex
 };
 
 // Vertices of the terrain that form a square grid, row by row from the south-west: the renderer keeps them as an image,
@@ -72,6 +73,7 @@ struct FrameData {
     glm::mat4 view{1.0F};
     glm::mat4 projection{1.0F}; // Vulkan clip space: y down, depth 0..1
     glm::vec3 camera_m{0.0F};
+    std::array<std::uint32_t, 4> camera_horizon{}; // of the terrain below the camera, as in Vertex: 0 is an open horizon
     float exposure = 1.0F; // radiance * exposure = scene value before the tone curve
     // Lights, on surfaces that face them.
     glm::vec3 to_sun{0.0F, 0.0F, 1.0F};

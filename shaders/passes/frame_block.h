@@ -15,6 +15,7 @@ struct FrameBlock {
     vec4 moon_sky;            // rgb: radiance of the sky in front of the moon
     vec4 rayleigh;            // rgb: extinction at sea level, per metre; w: 1 / scale height
     vec4 mie;                 // likewise
+    vec4 haze;                // x: fraction of the sun's disc that the terrain leaves visible at the camera
     vec4 sector;              // weights of the second azimuth for sun and moon, elevations of sun and moon
     uvec4 sun_sector;         // where the horizon towards the sun stands: word and shift of the two nearest azimuths
     uvec4 moon_sector;        // likewise

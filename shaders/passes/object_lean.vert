@@ -11,7 +11,7 @@ layout(location = 0) out vec3 color;
 void main() {
     Surface s = read_surface();
     gl_Position = frame.clip_from_relative * vec4(s.relative_m, 1.0);
-    vec3 light = direct_irradiance(s.normal, sun_visibility(s.horizon), moon_visibility(s.horizon)) +
-                 s.ambient * sky_irradiance(s.normal);
-    color = display(through_air(s.albedo * light, s.relative_m));
+    float sun = sun_visibility(s.horizon);
+    vec3 light = direct_irradiance(s.normal, sun, moon_visibility(s.horizon)) + s.ambient * sky_irradiance(s.normal);
+    color = display(through_air(s.albedo * light, s.relative_m, sun));
 }

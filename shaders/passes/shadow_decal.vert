@@ -8,6 +8,7 @@
 
 layout(location = 0) in vec3 position_m;
 layout(location = 1) in float shade; // fraction of the stronger light's disc that is hidden
+layout(location = 2) in uvec4 horizon; // of the terrain there: in its shadow there is nothing left to lose
 layout(location = 0) out vec3 color;
 
 void main() {
@@ -17,7 +18,11 @@ void main() {
     const vec3 up = vec3(0.0, 0.0, 1.0);
     const vec3 ground = vec3(0.15); // a middling albedo: the factor depends on it weakly, through the tone curve
     vec3 sky = sky_irradiance(up);
-    vec3 lit = ground * (direct_irradiance(up, 1.0, 1.0) + sky);
-    vec3 shaded = ground * (direct_irradiance(up, 1.0 - shade * (1.0 - frame.key.w), 1.0 - shade * frame.key.w) + sky);
-    color = (display(through_air(shaded, relative)) + 1e-3) / (display(through_air(lit, relative)) + 1e-3);
+    float sun = sun_visibility(horizon);
+    float moon = moon_visibility(horizon);
+    float through = 1.0 - shade;
+    bool by_moon = frame.key.w > 0.5;
+    vec3 lit = ground * (direct_irradiance(up, sun, moon) + sky);
+    vec3 shaded = ground * (direct_irradiance(up, by_moon ? sun : sun * through, by_moon ? moon * through : moon) + sky);
+    color = (display(through_air(shaded, relative, sun)) + 1e-3) / (display(through_air(lit, relative, sun)) + 1e-3);
 }

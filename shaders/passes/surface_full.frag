@@ -9,6 +9,7 @@ layout(constant_id = 0) const bool instanced = false; // objects; terrain reads 
 
 layout(set = 0, binding = 1) uniform sampler2DShadow shadow_map;
 layout(set = 1, binding = 0) uniform sampler2D grid_image;
+layout(set = 2, binding = 0) uniform sampler2D detail_image;
 
 layout(location = 0) in vec3 relative_m;
 layout(location = 1) in vec3 normal;
@@ -34,31 +35,10 @@ float shadow(vec3 at_m, vec3 n) {
     return sum / 16.0;
 }
 
-// Value noise, 0 .. 1, for the ground's grain.
-float hash(ivec2 p) {
-    uint h = uint(p.x) * 0x9E3779B1u + uint(p.y) * 0x85EBCA77u;
-    h = (h ^ (h >> 15u)) * 0x2C1B3C6Du;
-    h = (h ^ (h >> 12u)) * 0x297A2D39u;
-    return float((h ^ (h >> 15u)) >> 8u) / 16777216.0;
-}
-
-float value_noise(vec2 p) {
-    ivec2 cell = ivec2(floor(p));
-    vec2 f = fract(p);
-    f = f * f * (3.0 - 2.0 * f);
-    return mix(mix(hash(cell), hash(cell + ivec2(1, 0)), f.x), mix(hash(cell + ivec2(0, 1)), hash(cell + ivec2(1, 1)), f.x),
-               f.y);
-}
-
-// Octaves of grain, each faded out where it would be finer than a pixel. Mean 1.
-float grain(vec2 world_m, float pixel_m) {
-    float sum = 0.0;
-    float size_m = 6.0;
-    for (int octave = 0; octave < 5; ++octave) {
-        sum += (value_noise(world_m / size_m) - 0.5) * clamp(size_m / pixel_m - 1.0, 0.0, 1.0);
-        size_m *= 0.41;
-    }
-    return 1.0 + 0.35 * sum;
+// Three sizes of the detail's tile; each fades out where it would be finer than a pixel, by its mip levels.
+vec3 detail_at(vec2 world_m) {
+    return texture(detail_image, world_m / 12.0).rgb + texture(detail_image, world_m / 160.0).rgb +
+           texture(detail_image, world_m / 2500.0).rgb - 1.0;
 }
 
 void main() {
@@ -66,14 +46,13 @@ void main() {
     vec3 reflectance = albedo.rgb;
     float ambient = albedo.a;
     if (!instanced) {
-        Ground g = ground_from_texel(texture(grid_image, place.xy));
+        Ground g = with_detail(ground_from_texel(texture(grid_image, place.xy)), detail_at(relative_m.xy + frame.camera_m.xy));
         n = g.normal;
-        float pixel_m = 1.5 * length(relative_m) / frame.camera_m.w;
-        reflectance = chroma_of(albedo.rgb) * g.luminance * grain(relative_m.xy + frame.camera_m.xy, pixel_m);
+        reflectance = chroma_of(albedo.rgb) * g.luminance;
         ambient = g.ambient;
     }
     float through = shadow(relative_m, n);
     vec2 visible = place.zw * (frame.key.w > 0.5 ? vec2(1.0, through) : vec2(through, 1.0));
     vec3 light = direct_irradiance(n, visible.x, visible.y) + ambient * sky_irradiance(n);
-    target = vec4(through_air(reflectance * light, relative_m), 1.0);
+    target = vec4(through_air(reflectance * light, relative_m, place.z), 1.0);
 }
