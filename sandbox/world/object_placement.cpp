@@ -37,10 +37,10 @@ constexpr std::array<Building, 2> farm{
     {{ObjectKind::hut, {0.0F, 0.0F}, 180.0F}, {ObjectKind::barn, {24.0F, 8.0F}, 140.0F}}};
 constexpr std::array<Building, 1> alp{{{ObjectKind::hut, {0.0F, 0.0F}, 170.0F}}};
 
-const std::array<Place, 4> places{{{{-3060.0F, -3110.0F}, hamlet, 7, 7, 6, 210.0F},
-                                   {{1300.0F, -350.0F}, farm, 4, 5, 0, 160.0F},
-                                   {{-900.0F, 3300.0F}, alp, 3, 6, 5, 150.0F},
-                                   {{2600.0F, -1900.0F}, farm, 3, 6, 3, 140.0F}}};
+const std::array<Place, 4> places{{{{330.0F, -260.0F}, hamlet, 8, 6, 0, 220.0F},
+                                   {{-1765.0F, -335.0F}, farm, 5, 5, 2, 150.0F},
+                                   {{4700.0F, 4556.0F}, alp, 5, 7, 7, 170.0F},
+                                   {{6530.0F, -3590.0F}, farm, 4, 6, 3, 160.0F}}};
 
 float slope_at(const Terrain& terrain, glm::vec2 p) {
     const float d = 8.0F;

@@ -144,7 +144,7 @@ float detail_m(glm::vec2 p, float height_m, float slope, float floor_distance_m,
     const float y = (p.y + warp_y) / 520.0F;
     const float crags = ridged_noise(x, y, fine ? 5 : 2, seed + 33U) - 0.55F;
     const float rolling = fractal_noise(p.x / 420.0F, p.y / 420.0F, fine ? 4 : 1, seed + 34U);
-    return off_floor * (crags * (12.0F + 95.0F * steep * (0.35F + 0.65F * high)) + rolling * (18.0F + 14.0F * high));
+    return off_floor * (crags * (12.0F + 120.0F * steep * (0.35F + 0.65F * high)) + rolling * (18.0F + 14.0F * high));
 }
 
 void add_detail(HeightGrid& grid, std::uint32_t seed, bool fine) {
@@ -196,7 +196,7 @@ void dig_lake(HeightGrid& grid) {
 }
 
 constexpr float erodibility_per_step = 0.0055F; // with uplift 1: slope of a stream = uplift / (K sqrt(area))
-constexpr float uplift_per_step_m = 1.7F;
+constexpr float uplift_per_step_m = 1.95F;
 
 void grow(HeightGrid& grid, FluvialModel& model, int steps, float speed) {
     for (float& u : model.uplift_m) {
@@ -298,7 +298,7 @@ Terrain generate_terrain(std::uint32_t seed) {
         }
         grow(inner, model, level.steps, level.speed);
     }
-    soften(inner, 0.7F);
+    soften(inner, 0.35F);
 
     // Final samples.
     const HeightGrid inner_coarse = inner;
@@ -365,7 +365,7 @@ float forest_cover(const Terrain& terrain, glm::vec2 p, float height_m, glm::vec
     const float not_cliff = smoothstep(0.58F, 0.72F, normal.z);
     // Clearings on gentle ground, and farmland on the floors.
     const float gentle = smoothstep(0.90F, 0.985F, normal.z);
-    const float wood = smoothstep(-0.06F, 0.04F, patches + 0.30F - 0.62F * gentle);
+    const float wood = smoothstep(-0.06F, 0.04F, patches + 0.40F - 0.66F * gentle);
     return below_line * not_cliff * wood * smoothstep(30.0F, 120.0F, f.distance_m);
 }
 
@@ -403,7 +403,7 @@ glm::vec3 ground_albedo(const Terrain& terrain, glm::vec2 p, float height_m, glm
 
     // Bare ground: limestone, with scree below and in the gullies.
     const float bareness =
-        smoothstep(0.62F, 1.0F, slope + 0.25F * grain + 0.45F * smoothstep(1500.0F, 2400.0F, height_m) - 0.16F);
+        smoothstep(0.62F, 1.0F, slope + 0.25F * grain + 0.45F * smoothstep(1500.0F, 2400.0F, height_m) - 0.30F);
     const float strata = 0.5F + 0.5F * std::sin(height_m / 23.0F + 4.0F * broad + 2.0F * grain);
     const glm::vec3 rock =
         glm::mix(glm::vec3(0.205F, 0.188F, 0.168F), glm::vec3(0.300F, 0.282F, 0.255F), strata) * (1.0F + 0.25F * grain);
@@ -415,7 +415,7 @@ glm::vec3 ground_albedo(const Terrain& terrain, glm::vec2 p, float height_m, glm
     // Snow that lasts into summer: high, not too steep, longer in the shade and in gullies.
     const float shade = -60.0F * normal.y / std::max(normal.z, 0.2F);
     const float gully = 60.0F * std::log2(1.0F + std::max(0.0F, drainage_m2) / 20000.0F);
-    const float snow_line_m = 2480.0F + 320.0F * broad + 260.0F * grain + shade * 2.0F - std::min(gully, 220.0F);
+    const float snow_line_m = 2330.0F + 320.0F * broad + 260.0F * grain + shade * 2.0F - std::min(gully, 220.0F);
     const float snow =
         smoothstep(snow_line_m - 60.0F, snow_line_m + 120.0F, height_m) * (1.0F - smoothstep(0.95F, 1.35F, slope));
     albedo = glm::mix(albedo, glm::vec3(0.78F, 0.80F, 0.83F), snow);

@@ -127,65 +127,83 @@ public:
     [[nodiscard]] bool hides(glm::vec3 centre, float radius) const {
         const glm::vec3 d = centre - eye_m_;
         const float r = radius + slack_m_;
-        const float distance = std::hypot(d.x, d.y);
+        const float distance = std::sqrt(d.x * d.x + d.y * d.y);
         if (distance < 2.0F * r) {
             return false;
         }
         const float top = d.z + r;
         const float tangent = top / (top > 0.0F ? distance - r : distance + r);
-        const float half = 1.05F * r / distance; // asin(x) < 1.05 x for x < 1/2
+        const float half = 1.05F * r / distance * bins_per_radian; // asin(x) < 1.05 x for x < 1/2
         const float middle = bin_of(d);
-        const int first = static_cast<int>(std::floor(middle - half * bins_per_radian));
-        const int last = static_cast<int>(std::floor(middle + half * bins_per_radian));
+        if (tangent_[wrapped(static_cast<int>(middle))] < tangent) {
+            return false;
+        }
+        const int first = static_cast<int>(std::floor(middle - half));
+        const int last = static_cast<int>(std::floor(middle + half));
         for (int b = first; b <= last; ++b) {
-            if (tangent_[static_cast<std::size_t>(b & (bins - 1))] < tangent) {
+            if (tangent_[wrapped(b)] < tangent) {
                 return false;
             }
         }
         return true;
     }
 
-    // Raises the horizon by an edge: in each bin that it spans, to its lower end there.
-    void add_edge(glm::vec3 from, glm::vec3 to) {
-        const glm::vec3 p = from - eye_m_;
-        const glm::vec3 q = to - eye_m_;
-        float begin = bin_of(p);
-        float end = bin_of(q);
+    // Raises the horizon by a triangle's edges: in each bin that one spans, to its lower end there.
+    void add_triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c) {
+        const std::array<glm::vec3, 3> p{a - eye_m_, b - eye_m_, c - eye_m_};
+        const std::array<float, 3> bin{bin_of(p[0]), bin_of(p[1]), bin_of(p[2])};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t next = (k + 1) % 3;
+            add_edge(p[k], bin[k], p[next], bin[next]);
+        }
+    }
+
+private:
+    static constexpr int bins = 2048;
+    static constexpr float bins_per_radian = static_cast<float>(bins / two_pi);
+
+    // Direction of each border between bins.
+    struct Borders {
+        std::array<glm::vec2, bins> direction;
+        Borders() {
+            for (int k = 0; k < bins; ++k) {
+                const double angle = (k - bins / 2) / (bins / two_pi);
+                direction[static_cast<std::size_t>(k)] = glm::vec2(std::cos(angle), std::sin(angle));
+            }
+        }
+    };
+
+    static std::size_t wrapped(int bin) { return static_cast<std::size_t>(bin & (bins - 1)); }
+    static float bin_of(glm::vec3 d) { return std::atan2(d.y, d.x) * bins_per_radian + 0.5F * bins; }
+
+    void add_edge(glm::vec3 p, float begin, glm::vec3 q, float end) {
         if (std::abs(end - begin) > 0.5F * bins) {
             (end > begin ? begin : end) += bins;
         }
-        const bool turned = begin > end;
-        const int first = static_cast<int>(std::ceil(turned ? end : begin));
-        const int last = static_cast<int>(std::floor(turned ? begin : end)); // whole bins are first .. last - 1
+        const int first = static_cast<int>(std::ceil(std::min(begin, end)));
+        const int last = static_cast<int>(std::floor(std::max(begin, end))); // whole bins are first .. last - 1
         if (first >= last) {
             return;
         }
         float before = tangent_at(p, q, first);
         for (int b = first; b < last; ++b) {
             const float after = tangent_at(p, q, b + 1);
-            float& bin = tangent_[static_cast<std::size_t>(b & (bins - 1))];
+            float& bin = tangent_[wrapped(b)];
             bin = std::max(bin, std::min(before, after));
             before = after;
         }
     }
 
-private:
-    static constexpr int bins = 4096;
-    static constexpr float bins_per_radian = static_cast<float>(bins / two_pi);
-
-    static float bin_of(glm::vec3 d) { return std::atan2(d.y, d.x) * bins_per_radian + 0.5F * bins; }
-
     // Tangent of elevation where the vertical plane at the border of a bin cuts the edge.
     [[nodiscard]] float tangent_at(glm::vec3 p, glm::vec3 q, int border) const {
-        const float angle = (static_cast<float>(border) - 0.5F * bins) / bins_per_radian;
-        const float c = std::cos(angle);
-        const float s = std::sin(angle);
-        const float side_p = p.y * c - p.x * s;
-        const float side_q = q.y * c - q.x * s;
+        static const Borders borders;
+        const glm::vec2 d = borders.direction[wrapped(border)];
+        const float side_p = p.y * d.x - p.x * d.y;
+        const float side_q = q.y * d.x - q.x * d.y;
         const float t = side_p == side_q ? 0.0F : std::clamp(side_p / (side_p - side_q), 0.0F, 1.0F);
         const glm::vec3 cut = p + t * (q - p);
-        const float distance = std::max(std::hypot(cut.x, cut.y), 1.0F);
-        return (cut.z - slack_m_) / distance - slack_m_ * std::abs(cut.z) / (distance * distance);
+        const float per_distance = 1.0F / std::max(cut.x * d.x + cut.y * d.y, 1.0F);
+        return (cut.z - slack_m_ - slack_m_ * std::abs(cut.z) * per_distance) * per_distance;
     }
 
     glm::vec3 eye_m_;
@@ -301,21 +319,41 @@ void TerrainLod::bound_errors(std::span<const Vertex> vertices) {
     }
 }
 
-bool TerrainLod::active(std::uint32_t v, const Threshold& t) const {
+bool TerrainLod::active(std::uint32_t v, float distance_m, const Threshold& t) const {
     const float e = error_m_[v];
     if (!(e > 0.0F)) {
         return false;
     }
-    const float distance = glm::distance(position_m(v), t.camera_m) - radius_m_[v];
+    const float clear_m = distance_m - radius_m_[v];
     // Grows with distance, so that parents stay active; past the first test the exponential is rarely needed.
-    return e > t.ratio * distance && (distance <= 0.0F || e > t.ratio * distance * std::exp(distance * t.per_haze));
+    return e > t.ratio * clear_m && (clear_m <= 0.0F || e > t.ratio * clear_m * std::exp(clear_m * t.per_haze));
+}
+
+TerrainLod::Corner TerrainLod::corner(glm::ivec2 at) const {
+    const std::int64_t vertex = vertex_of(at);
+    assert(vertex >= 0);
+    const auto v = static_cast<std::uint32_t>(vertex);
+    const float height = v < grid_count ? terrain_.outer.height_m[v] : terrain_.inner.height_m[v - grid_count];
+    const glm::vec2 p = terrain_.outer.origin_m + Terrain::inner_spacing_m * glm::vec2(at);
+    return {at, v, glm::vec3(p, height)};
+}
+
+std::array<TerrainLod::Triangle, 2> TerrainLod::roots() const {
+    const Corner south_west = corner({0, 0});
+    const Corner north_east = corner({side, side});
+    return {Triangle{south_west, north_east, corner({0, side})}, Triangle{north_east, south_west, corner({side, 0})}};
+}
+
+std::int64_t TerrainLod::split_vertex(const Triangle& triangle) const {
+    const glm::ivec2 sum = triangle.a.at + triangle.b.at;
+    const std::int64_t v = sum.x % 2 == 0 && sum.y % 2 == 0 ? vertex_of(sum / 2) : -1;
+    return v >= 0 && error_m_[static_cast<std::size_t>(v)] >= 0.0F ? v : -1;
 }
 
 bool TerrainLod::build(const LodView& view, const LodSettings& settings, float threshold_px) {
     const Threshold t{view.camera_m, threshold_px / view.pixels_per_radian, 1.0F / settings.haze_m};
     const std::array<Plane, 5> planes = frustum_planes(view.clip_from_world);
     const float turn = std::sin(settings.turn_rad);
-    const float shift = settings.move_m;
     const std::size_t limit = 3U * static_cast<std::size_t>(settings.max_triangles);
     indices_.clear();
 
@@ -324,71 +362,54 @@ bool TerrainLod::build(const LodView& view, const LodSettings& settings, float t
         std::uint32_t planes; // bit k: not yet known to be inside plane k
     };
     std::vector<Entry> stack;
-    constexpr std::uint32_t all = 31;
-    Entry north{{{0, 0}, {side, side}, {0, side}}, all};
-    Entry south{{{side, side}, {0, 0}, {side, 0}}, all};
-    const glm::vec2 camera = (glm::vec2(view.camera_m) - terrain_.outer.origin_m) / Terrain::inner_spacing_m;
-    if (camera.y > camera.x) {
-        std::swap(north, south);
-    }
-    stack.push_back(north);
-    stack.push_back(south);
+    const glm::vec2 eye(view.camera_m);
+    const auto push_near_last = [&](const Triangle& first, const Triangle& second, glm::vec2 cut, glm::vec2 from,
+                                    std::uint32_t left) {
+        // `first` lies to the left of `cut`; the half on the camera's side comes off the stack first, so that near
+        // ground hides far ground.
+        const glm::vec2 to_eye = eye - from;
+        const bool left_first = cut.x * to_eye.y - cut.y * to_eye.x > 0.0F;
+        stack.push_back({left_first ? second : first, left});
+        stack.push_back({left_first ? first : second, left});
+    };
+    const std::array<Triangle, 2> whole = roots();
+    push_near_last(whole[0], whole[1], glm::vec2(1.0F), terrain_.outer.origin_m, 31U);
     Occlusion occlusion(view.camera_m, settings.move_m);
     while (!stack.empty()) {
         Entry entry = stack.back();
         stack.pop_back();
         const Triangle& triangle = entry.triangle;
-        const glm::ivec2 middle = (triangle.a + triangle.b) / 2;
-        const bool whole = ((triangle.a.x + triangle.b.x) % 2 == 0) && ((triangle.a.y + triangle.b.y) % 2 == 0);
-        const std::int64_t v = whole ? vertex_of(middle) : -1;
-        const bool may_split = v >= 0 && error_m_[static_cast<std::size_t>(v)] >= 0.0F;
-        if (may_split && entry.planes != 0) {
-            const glm::vec3 centre = position_m(static_cast<std::uint32_t>(v));
-            const float margin = turn * glm::distance(centre, view.camera_m) + shift;
-            const float radius = radius_m_[static_cast<std::size_t>(v)];
+        const std::int64_t split = split_vertex(triangle);
+        if (split >= 0) {
+            const Corner middle = corner((triangle.a.at + triangle.b.at) / 2);
+            const float radius = radius_m_[middle.vertex];
+            const float distance = glm::distance(middle.position_m, view.camera_m);
+            const float margin = turn * distance + settings.move_m;
             bool outside = false;
-            for (std::uint32_t k = 0; k < planes.size(); ++k) {
+            for (std::uint32_t k = 0; k < planes.size() && entry.planes != 0; ++k) {
                 if ((entry.planes >> k & 1U) != 0) {
-                    const float distance = glm::dot(planes[k].normal, centre) + planes[k].offset;
-                    outside = outside || distance < -(radius + margin);
-                    if (distance > radius * (1.0F + turn)) {
+                    const float inside = glm::dot(planes[k].normal, middle.position_m) + planes[k].offset;
+                    outside = outside || inside < -(radius + margin);
+                    if (inside > radius * (1.0F + turn)) {
                         entry.planes &= ~(1U << k);
                     }
                 }
             }
-            if (outside) {
+            if (outside || occlusion.hides(middle.position_m, radius)) {
                 continue;
             }
-        }
-        if (may_split &&
-            occlusion.hides(position_m(static_cast<std::uint32_t>(v)), radius_m_[static_cast<std::size_t>(v)])) {
-            continue;
-        }
-        if (may_split && active(static_cast<std::uint32_t>(v), t)) {
-            // The half on the camera's side comes off the stack first, so that near ground hides far ground.
-            Entry near{{triangle.c, triangle.a, middle}, entry.planes};
-            Entry far{{triangle.b, triangle.c, middle}, entry.planes};
-            const glm::vec2 cut(triangle.c - middle);
-            const glm::vec2 eye = camera - glm::vec2(middle);
-            if (cut.x * eye.y - cut.y * eye.x < 0.0F) {
-                std::swap(near, far);
+            if (active(middle.vertex, distance, t)) {
+                push_near_last({triangle.c, triangle.a, middle}, {triangle.b, triangle.c, middle},
+                               glm::vec2(triangle.c.position_m - middle.position_m), glm::vec2(middle.position_m),
+                               entry.planes);
+                continue;
             }
-            stack.push_back(far);
-            stack.push_back(near);
-            continue;
         }
         if (indices_.size() + 3 > limit) {
             return false;
         }
-        const glm::vec3 a = position_m(static_cast<std::uint32_t>(vertex_of(triangle.a)));
-        const glm::vec3 b = position_m(static_cast<std::uint32_t>(vertex_of(triangle.b)));
-        const glm::vec3 c = position_m(static_cast<std::uint32_t>(vertex_of(triangle.c)));
-        occlusion.add_edge(a, b);
-        occlusion.add_edge(b, c);
-        occlusion.add_edge(c, a);
-        for (const glm::ivec2 corner : {triangle.a, triangle.b, triangle.c}) {
-            indices_.push_back(static_cast<std::uint32_t>(vertex_of(corner)));
-        }
+        indices_.insert(indices_.end(), {triangle.a.vertex, triangle.b.vertex, triangle.c.vertex});
+        occlusion.add_triangle(triangle.a.position_m, triangle.b.position_m, triangle.c.position_m);
     }
     threshold_ = t;
     error_px_ = threshold_px;
@@ -403,34 +424,38 @@ SystemReport TerrainLod::update(const LodView& view, const LodSettings& settings
     report.considered = 1;
     bool keep = error_px_ > 0.0F && view.pixels_per_radian == built_for_.pixels_per_radian;
     if (keep) {
-        const float above_ground_m = std::max(0.0F, view.camera_m.z - terrain_.height_m(glm::vec2(view.camera_m)));
         const float moved = glm::distance(view.camera_m, built_for_.camera_m);
         const glm::vec3 now = view_direction(view.clip_from_world);
         const glm::vec3 then = view_direction(built_for_.clip_from_world);
         const float turned = std::atan2(glm::length(glm::cross(now, then)), glm::dot(now, then));
-        keep = moved <= std::min(settings.move_m, std::max(0.1F, settings.move_fraction * above_ground_m)) &&
-               turned <= settings.turn_rad;
+        keep = moved <= settings.move_m && turned <= settings.turn_rad;
     }
     if (keep) {
         report.skipped = 1;
     } else {
-        // Starts from the last threshold, so that the choice does not flutter, and ends within 8 % of the finest that
-        // fits or at the target.
-        const float step = error_px_ > 0.0F ? 1.08F : 1.25F;
+        // Starts from the last threshold, so that the choice does not flutter, and ends near the finest that fits or at
+        // the target. Triangles grow about as the inverse of the threshold.
         float threshold = std::max(settings.target_error_px, error_px_ > 0.0F ? error_px_ : 3.0F);
         bool fits = build(view, settings, threshold);
+        float too_fine = 0.0F;
         while (!fits) {
-            threshold *= step;
+            too_fine = threshold;
+            threshold *= 1.25F;
             fits = build(view, settings, threshold);
         }
-        const auto roomy = static_cast<std::size_t>(0.85 * 3.0 * settings.max_triangles);
-        while (threshold > settings.target_error_px && indices_.size() < roomy) {
-            const float finer = std::max(settings.target_error_px, threshold / 1.08F);
-            if (!build(view, settings, finer)) {
-                (void)build(view, settings, threshold);
+        const float limit = 3.0F * static_cast<float>(settings.max_triangles);
+        for (int attempt = 0; attempt < 8 && threshold > settings.target_error_px; ++attempt) {
+            const float fill = std::max(0.3F, static_cast<float>(indices_.size()) / limit);
+            const float finer = std::max({settings.target_error_px, threshold * fill / 0.95F, 1.04F * too_fine});
+            if (fill > 0.85F || finer > 0.97F * threshold) {
                 break;
             }
-            threshold = finer;
+            if (!build(view, settings, finer)) {
+                too_fine = finer;
+                (void)build(view, settings, threshold);
+            } else {
+                threshold = finer;
+            }
         }
         ++revision_;
         report.updated = 1;
@@ -442,51 +467,49 @@ SystemReport TerrainLod::update(const LodView& view, const LodSettings& settings
 
 std::vector<std::uint32_t> TerrainLod::coarse_indices(float error_m) const {
     std::vector<std::uint32_t> indices;
-    std::vector<Triangle> stack{{{0, 0}, {side, side}, {0, side}}, {{side, side}, {0, 0}, {side, 0}}};
+    const std::array<Triangle, 2> whole = roots();
+    std::vector<Triangle> stack(whole.begin(), whole.end());
     while (!stack.empty()) {
         const Triangle triangle = stack.back();
         stack.pop_back();
-        const glm::ivec2 sum = triangle.a + triangle.b;
-        const std::int64_t v = sum.x % 2 == 0 && sum.y % 2 == 0 ? vertex_of(sum / 2) : -1;
-        if (v >= 0 && error_m_[static_cast<std::size_t>(v)] > error_m) {
-            stack.push_back({triangle.c, triangle.a, sum / 2});
-            stack.push_back({triangle.b, triangle.c, sum / 2});
+        const std::int64_t split = split_vertex(triangle);
+        if (split >= 0 && error_m_[static_cast<std::size_t>(split)] > error_m) {
+            const Corner middle = corner((triangle.a.at + triangle.b.at) / 2);
+            stack.push_back({triangle.c, triangle.a, middle});
+            stack.push_back({triangle.b, triangle.c, middle});
             continue;
         }
-        for (const glm::ivec2 corner : {triangle.a, triangle.b, triangle.c}) {
-            indices.push_back(static_cast<std::uint32_t>(vertex_of(corner)));
-        }
+        indices.insert(indices.end(), {triangle.a.vertex, triangle.b.vertex, triangle.c.vertex});
     }
     return indices;
 }
 
 float TerrainLod::surface_height_m(glm::vec2 position) const {
-    const glm::vec2 p = glm::clamp((position - terrain_.outer.origin_m) / Terrain::inner_spacing_m, glm::vec2(0.0F),
-                                   glm::vec2(static_cast<float>(side)));
+    const float half = 0.5F * terrain_.outer.extent_m();
+    const glm::vec2 p = glm::clamp(position, glm::vec2(-half), glm::vec2(half));
     const auto cross = [](glm::vec2 u, glm::vec2 w) { return u.x * w.y - u.y * w.x; };
-    Triangle triangle =
-        p.y > p.x ? Triangle{{0, 0}, {side, side}, {0, side}} : Triangle{{side, side}, {0, 0}, {side, 0}};
+    Triangle triangle = roots()[p.y > p.x ? 0 : 1];
     for (;;) {
-        const glm::ivec2 sum = triangle.a + triangle.b;
-        const std::int64_t v = sum.x % 2 == 0 && sum.y % 2 == 0 ? vertex_of(sum / 2) : -1;
-        if (v < 0 || error_m_[static_cast<std::size_t>(v)] < 0.0F ||
-            !active(static_cast<std::uint32_t>(v), threshold_)) {
+        if (split_vertex(triangle) < 0) {
             break;
         }
-        const glm::ivec2 middle = sum / 2;
-        // a lies to the left of the line from the middle to c's far side: which half holds p?
-        const bool first = cross(glm::vec2(triangle.c - middle), p - glm::vec2(middle)) > 0.0F;
-        triangle = first ? Triangle{triangle.c, triangle.a, middle} : Triangle{triangle.b, triangle.c, middle};
+        const Corner middle = corner((triangle.a.at + triangle.b.at) / 2);
+        if (!active(middle.vertex, glm::distance(middle.position_m, threshold_.camera_m), threshold_)) {
+            break;
+        }
+        // The half with `a` lies to the left of the line from the middle to `c`.
+        const glm::vec2 cut(triangle.c.position_m - middle.position_m);
+        const bool left = cross(cut, p - glm::vec2(middle.position_m)) > 0.0F;
+        triangle = left ? Triangle{triangle.c, triangle.a, middle} : Triangle{triangle.b, triangle.c, middle};
     }
-    const auto height = [&](glm::ivec2 q) { return position_m(static_cast<std::uint32_t>(vertex_of(q))).z; };
-    const glm::vec2 a(triangle.a);
-    const glm::vec2 b(triangle.b);
-    const glm::vec2 c(triangle.c);
-    const float area = cross(b - a, c - a);
-    const float u = cross(p - a, c - a) / area;
-    const float w = cross(b - a, p - a) / area;
-    const float h = height(triangle.a);
-    return h + u * (height(triangle.b) - h) + w * (height(triangle.c) - h);
+    const glm::vec2 a(triangle.a.position_m);
+    const glm::vec2 ab = glm::vec2(triangle.b.position_m) - a;
+    const glm::vec2 ac = glm::vec2(triangle.c.position_m) - a;
+    const float area = cross(ab, ac);
+    const float u = cross(p - a, ac) / area;
+    const float w = cross(ab, p - a) / area;
+    const float h = triangle.a.position_m.z;
+    return h + u * (triangle.b.position_m.z - h) + w * (triangle.c.position_m.z - h);
 }
 
 } // namespace alpenglow::sandbox

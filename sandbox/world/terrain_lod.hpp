@@ -7,6 +7,7 @@
 
 #include <alpenglow/core/system_report.hpp>
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -27,9 +28,8 @@ struct LodSettings {
     std::uint32_t max_triangles = 15000;
     float target_error_px = 1.0F; // no finer than this even where the budget would allow it
     float haze_m = 25000.0F;      // the allowed error grows by e over this distance: haze takes contrast away
-    float move_m = 3.0F;          // the triangulation is kept while the camera has moved less,
-    float move_fraction = 0.02F;  // or less than this fraction of its height over the ground,
-    float turn_rad = 0.07F;       // and turned less; what is kept in view is wider by as much
+    float move_m = 3.0F;          // the triangulation is kept while the camera has moved less
+    float turn_rad = 0.07F;       // and turned less; what counts as in view is wider by as much
 };
 
 // Vertices are numbered as in `WorldData::terrain`: the outer grid row by row, then the inner grid.
@@ -69,9 +69,15 @@ public:
     [[nodiscard]] float vertex_error_m(std::uint32_t vertex) const { return error_m_[vertex]; }
 
 private:
-    // A triangle by the virtual 16 m coordinates of its corners: long edge a-b, right angle at c; counter-clockwise.
+    // A sample by its virtual 16 m coordinates from the outer grid's south-west corner.
+    struct Corner {
+        glm::ivec2 at;
+        std::uint32_t vertex;
+        glm::vec3 position_m;
+    };
+    // Long edge a-b, right angle at c; counter-clockwise.
     struct Triangle {
-        glm::ivec2 a, b, c;
+        Corner a, b, c;
     };
     struct Threshold {
         glm::vec3 camera_m{0.0F};
@@ -80,7 +86,10 @@ private:
     };
 
     [[nodiscard]] std::int64_t vertex_of(glm::ivec2 p) const; // -1: no such sample
-    [[nodiscard]] bool active(std::uint32_t v, const Threshold& t) const;
+    [[nodiscard]] Corner corner(glm::ivec2 at) const;
+    [[nodiscard]] std::array<Triangle, 2> roots() const;
+    [[nodiscard]] std::int64_t split_vertex(const Triangle& triangle) const; // -1: a smallest triangle
+    [[nodiscard]] bool active(std::uint32_t v, float distance_m, const Threshold& t) const;
     void bound_errors(std::span<const Vertex> vertices);
     // Triangulates what is in view into indices_; false, and no more, once there are more than `max_triangles`.
     bool build(const LodView& view, const LodSettings& settings, float threshold_px);
