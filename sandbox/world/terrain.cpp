@@ -402,7 +402,10 @@ glm::vec3 ground_albedo(const Terrain& terrain, glm::vec2 p, float height_m, glm
     albedo = glm::mix(albedo, glm::vec3(0.026F, 0.048F, 0.020F) * (1.0F + 0.35F * grain), 0.95F * forest);
 
     // Bare ground: limestone, with scree below and in the gullies.
+    // Low down, woods hold on to all but the steepest walls.
+    const float wooded = 0.55F * (1.0F - smoothstep(900.0F, 1500.0F, height_m + 150.0F * grain));
     const float bareness =
+        (1.0F - wooded) *
         smoothstep(0.62F, 1.0F, slope + 0.25F * grain + 0.45F * smoothstep(1500.0F, 2400.0F, height_m) - 0.30F);
     const float strata = 0.5F + 0.5F * std::sin(height_m / 23.0F + 4.0F * broad + 2.0F * grain);
     const glm::vec3 rock =
