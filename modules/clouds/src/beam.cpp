@@ -108,7 +108,7 @@ BeamTable BeamTable::single_scattering(const Medium& medium) {
 BeamTable BeamTable::octaves(const Medium& medium, const Octaves& o) {
     BeamTable table;
     const double last = std::pow(double(o.extinction), o.count - 1);
-    table.resize(last, 64.0 / std::max(last, 1e-3), peak_width(medium.phase));
+    table.resize(last, 128.0, peak_width(medium.phase));
     for (int a = 0; a < angles; ++a) {
         const auto omc = static_cast<float>(one_minus_cos(angle_at(a, double(table.narrow_))));
         for (int d = 0; d < depths; ++d) {
@@ -144,8 +144,7 @@ BeamTable BeamTable::broadened(const Medium& medium) {
         --used;
     }
     BeamTable table;
-    table.resize(scaled.extinction, std::clamp(24.0 / scaled_held.extinction, 48.0, 4000.0), peak_width(held.phase));
-    const double decay = scaled_held.extinction; // 1 - albedo f
+    table.resize(scaled.extinction, std::clamp(24.0 / scaled_held.extinction, 48.0, 300.0), peak_width(held.phase));
     // coefficient[depth][l], with exp(-decay * depth) taken out.
     std::vector<double> coefficients(std::size_t(depths) * std::size_t(used));
     for (int d = 0; d < depths; ++d) {
@@ -183,7 +182,6 @@ BeamTable BeamTable::broadened(const Medium& medium) {
             }
         }
     });
-    static_cast<void>(decay);
     return table;
 }
 

@@ -321,7 +321,7 @@ SparseGrid generate(const Weather& weather, const glm::vec2& extent_m, float vox
         if (excess <= 0.0F) {
             return 0.0F;
         }
-        const float depth = smoothstep(0.0F, 0.15F, excess); // thinner towards gaps
+        const float depth = 0.4F + 0.6F * smoothstep(0.0F, 0.15F, excess); // thinner towards gaps
         const float billow = 0.15F * worley(x / (0.5F * height), y / (0.5F * height), z / (0.5F * height), seed + 7);
         const float half = 0.5F * depth;
         const float d = std::abs(t - 0.45F) + billow - half * 0.9F;

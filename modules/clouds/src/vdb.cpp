@@ -11,6 +11,7 @@
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wshadow"
 #pragma GCC diagnostic ignored "-Wpedantic"
+#include <openvdb/io/Stream.h>
 #include <openvdb/math/Ray.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Interpolation.h>
@@ -156,9 +157,19 @@ Result<VdbGrid> load_vdb(const std::string& path, const std::string& grid_name) 
         return Error{"grid '" + chosen->name + "' is of type " + chosen->value_type, path, "a float grid of density"};
     }
     return guarded(path, [&]() -> Result<VdbGrid> {
-        openvdb::io::File file(path);
-        file.open(false);
-        const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid(chosen->name));
+        // io::File takes short reads at the end of a cut file for zeros; a stream that throws does not.
+        std::ifstream stream(path, std::ios::binary);
+        stream.exceptions(std::ios::failbit | std::ios::badbit);
+        openvdb::io::Stream reader(stream, false);
+        openvdb::FloatGrid::Ptr grid;
+        for (const openvdb::GridBase::Ptr& candidate : *reader.getGrids()) {
+            if (candidate->getName() == chosen->name) {
+                grid = openvdb::gridPtrCast<openvdb::FloatGrid>(candidate);
+            }
+        }
+        if (!grid) {
+            return Error{"grid '" + chosen->name + "' is listed but not there", path, "an intact .vdb file"};
+        }
         if (grid->getGridClass() == openvdb::GRID_LEVEL_SET) {
             return Error{"grid '" + chosen->name + "' is a level set", path, "a fog volume: density, 0 outside"};
         }

@@ -26,7 +26,7 @@ struct LightingSettings {
     LightingMethod method = LightingMethod::transport;
     int depth_factor = 1;                               // voxels a side of the optical depth's blocks
     int transport_factor = 2;                           // and of the multiply scattered light's
-    int sweeps = 5;                                     // of the ordinates, from a cold start
+    int sweeps = 3;                                     // of the ordinates, from a cold start
     int warm_sweeps = 1;                                // and after a light has turned a little
     std::size_t max_depth_cells = std::size_t(6) << 20; // beyond, blocks grow
     std::size_t max_transport_cells = std::size_t(1) << 19;

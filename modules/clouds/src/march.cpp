@@ -1,0 +1,536 @@
+#include <alpenglow/clouds/march.hpp>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "march.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <hwy/contrib/math/math-inl.h>
+
+#include <cstddef>
+#include <cstdint>
+
+// Plain views of what the kernels read. Shared by the instruction sets.
+#ifndef ALPENGLOW_CLOUDS_MARCH_TYPES
+#define ALPENGLOW_CLOUDS_MARCH_TYPES
+namespace alpenglow::clouds {
+
+struct BrickView {
+    const std::int32_t* nodes;
+    const std::int32_t* entries;
+    const float* scale;
+    const float* offset;
+    const std::uint8_t* data;
+    std::int32_t nodes_x, nodes_y;
+    float size[3]; // voxels
+};
+
+struct FieldView {
+    const std::uint16_t* values;
+    float first[3]; // centre of block 0, voxels from the volume's corner
+    float inverse_factor;
+    std::int32_t dims[3];
+    float offset, scale;
+};
+
+constexpr int max_lights = 8;
+
+struct MarchInput {
+    BrickView volume;
+    int lights;
+    FieldView depth[max_lights];
+    int fields;
+    FieldView field[3];
+    const float* table; // [angle][depth]
+    float table_decay, inverse_max_depth;
+    float eye[3];     // voxels from the volume's corner
+    float step;       // metres
+    float extinction; // along the eye ray, 1/m
+    float beam_scale; // 1 / eye extinction over the medium's
+    float optical_step, stop;
+    bool riemann;
+};
+
+// Up to 16 rays, structure of arrays.
+struct Packet {
+    float d[3][16]; // voxels a metre
+    float t0[16], t1[16];
+    float angle[max_lights][16]; // table coordinates
+    float beam[max_lights][16];  // results
+    float field[3][16];
+    float transmittance[16], depth[16];
+};
+
+} // namespace alpenglow::clouds
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace alpenglow::clouds::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<float, 16>;
+using DI = hn::RebindToSigned<D>;
+using V = hn::Vec<D>;
+using VI = hn::Vec<DI>;
+using M = hn::Mask<D>;
+
+// 32 bits at byte offsets.
+HWY_INLINE VI gather_bytes(const void* base, VI offset) {
+    return hn::GatherOffset(DI(), static_cast<const std::int32_t*>(base), offset);
+}
+
+HWY_INLINE V lerp(V a, V b, V t) {
+    return hn::MulAdd(t, hn::Sub(b, a), a);
+}
+
+// Brick numbers for points in the volume (others must be masked off by the caller); -1: nothing there; -2: not even a
+// node.
+HWY_INLINE VI find_brick(const BrickView& v, VI bx, VI by, VI bz) {
+    const DI di;
+    const VI node_index =
+        hn::Add(hn::Mul(hn::Add(hn::Mul(hn::ShiftRight<3>(bz), hn::Set(di, v.nodes_y)), hn::ShiftRight<3>(by)),
+                        hn::Set(di, v.nodes_x)),
+                hn::ShiftRight<3>(bx));
+    const VI node = hn::GatherIndex(di, v.nodes, node_index);
+    const VI seven = hn::Set(di, 7);
+    const VI place = hn::Add(hn::ShiftLeft<6>(hn::And(bz, seven)),
+                             hn::Add(hn::ShiftLeft<3>(hn::And(by, seven)), hn::And(bx, seven)));
+    const auto missing = hn::Lt(node, hn::Zero(di));
+    const VI brick = hn::GatherIndex(di, v.entries, hn::Add(hn::Max(node, hn::Zero(di)), place));
+    return hn::IfThenElse(missing, hn::Set(di, -2), brick);
+}
+
+// Trilinear density in known bricks (numbers >= 0) at voxel (ix, iy, iz) + fractions.
+HWY_INLINE V sample_brick(const BrickView& v, VI brick, VI ix, VI iy, VI iz, V tx, V ty, V tz) {
+    const D d;
+    const DI di;
+    const VI seven = hn::Set(di, 7);
+    const VI byte = hn::Set(di, 0xff);
+    const VI at = hn::Add(hn::Mul(brick, hn::Set(di, static_cast<std::int32_t>(BrickVolume::brick_stride))),
+                          hn::Add(hn::Mul(hn::And(iz, seven), hn::Set(di, 81)),
+                                  hn::Add(hn::Mul(hn::And(iy, seven), hn::Set(di, 9)), hn::And(ix, seven))));
+    const auto row = [&](int o) {
+        const VI pair = gather_bytes(v.data + o, at);
+        const V a = hn::ConvertTo(d, hn::And(pair, byte));
+        const V b = hn::ConvertTo(d, hn::And(hn::ShiftRight<8>(pair), byte));
+        return lerp(a, b, tx);
+    };
+    const V value = lerp(lerp(row(0), row(9), ty), lerp(row(81), row(90), ty), tz);
+    return hn::MulAdd(value, hn::GatherIndex(d, v.scale, brick), hn::GatherIndex(d, v.offset, brick));
+}
+
+HWY_INLINE V sample_field(const FieldView& f, V px, V py, V pz) {
+    const D d;
+    const DI di;
+    const auto coordinate = [&](V p, int a) {
+        const V q = hn::Mul(hn::Sub(p, hn::Set(d, f.first[a])), hn::Set(d, f.inverse_factor));
+        return hn::Min(hn::Max(q, hn::Zero(d)), hn::Set(d, static_cast<float>(f.dims[a] - 1)));
+    };
+    const V x = coordinate(px, 0);
+    const V y = coordinate(py, 1);
+    const V z = coordinate(pz, 2);
+    const VI ix = hn::Min(hn::ConvertTo(di, x), hn::Set(di, f.dims[0] - 2));
+    const VI iy = hn::Min(hn::ConvertTo(di, y), hn::Set(di, f.dims[1] - 2));
+    const VI iz = hn::Min(hn::ConvertTo(di, z), hn::Set(di, f.dims[2] - 2));
+    const V tx = hn::Sub(x, hn::ConvertTo(d, ix));
+    const V ty = hn::Sub(y, hn::ConvertTo(d, iy));
+    const V tz = hn::Sub(z, hn::ConvertTo(d, iz));
+    const VI cell = hn::Add(hn::Mul(hn::Add(hn::Mul(iz, hn::Set(di, f.dims[1])), iy), hn::Set(di, f.dims[0])), ix);
+    const VI at = hn::ShiftLeft<1>(cell);
+    const VI word = hn::Set(di, 0xffff);
+    const std::ptrdiff_t sy = f.dims[0];
+    const std::ptrdiff_t sz = sy * f.dims[1];
+    const auto row = [&](std::ptrdiff_t o) {
+        const VI pair = gather_bytes(f.values + o, at);
+        const V a = hn::ConvertTo(d, hn::And(pair, word));
+        const V b = hn::ConvertTo(d, hn::And(hn::ShiftRight<16>(pair), word));
+        return lerp(a, b, tx);
+    };
+    const V value = lerp(lerp(row(0), row(sy), ty), lerp(row(sz), row(sy + sz), ty), tz);
+    return hn::MulAdd(value, hn::Set(d, f.scale), hn::Set(d, f.offset));
+}
+
+void sample_points(const BrickView& v, const float* x, const float* y, const float* z, float* out, std::size_t count) {
+    const D d;
+    const DI di;
+    const std::size_t lanes = hn::Lanes(d);
+    alignas(64) float padded[4][16];
+    for (std::size_t i = 0; i < count; i += lanes) {
+        const float* px = x + i;
+        const float* py = y + i;
+        const float* pz = z + i;
+        const bool whole = i + lanes <= count;
+        if (!whole) {
+            for (std::size_t l = 0; l < lanes; ++l) {
+                const std::size_t j = i + l < count ? i + l : i;
+                padded[0][l] = x[j];
+                padded[1][l] = y[j];
+                padded[2][l] = z[j];
+            }
+            px = padded[0];
+            py = padded[1];
+            pz = padded[2];
+        }
+        const V zero = hn::Zero(d);
+        const V vx = hn::LoadU(d, px);
+        const V vy = hn::LoadU(d, py);
+        const V vz = hn::LoadU(d, pz);
+        const M inside = hn::And(hn::And(hn::And(hn::Ge(vx, zero), hn::Ge(vy, zero)), hn::Ge(vz, zero)),
+                                 hn::And(hn::And(hn::Lt(vx, hn::Set(d, v.size[0])), hn::Lt(vy, hn::Set(d, v.size[1]))),
+                                         hn::Lt(vz, hn::Set(d, v.size[2]))));
+        const V cx = hn::IfThenElseZero(inside, vx);
+        const V cy = hn::IfThenElseZero(inside, vy);
+        const V cz = hn::IfThenElseZero(inside, vz);
+        const VI ix = hn::ConvertTo(di, cx);
+        const VI iy = hn::ConvertTo(di, cy);
+        const VI iz = hn::ConvertTo(di, cz);
+        const VI brick = find_brick(v, hn::ShiftRight<3>(ix), hn::ShiftRight<3>(iy), hn::ShiftRight<3>(iz));
+        const M filled = hn::And(inside, hn::RebindMask(d, hn::Gt(brick, hn::Set(di, -1))));
+        const V value = sample_brick(v, hn::Max(brick, hn::Zero(di)), ix, iy, iz, hn::Sub(cx, hn::ConvertTo(d, ix)),
+                                     hn::Sub(cy, hn::ConvertTo(d, iy)), hn::Sub(cz, hn::ConvertTo(d, iz)));
+        const V result = hn::IfThenElseZero(filled, value);
+        if (whole) {
+            hn::StoreU(result, d, out + i);
+        } else {
+            hn::StoreU(result, d, padded[3]);
+            for (std::size_t l = 0; i + l < count; ++l) {
+                out[i + l] = padded[3][l];
+            }
+        }
+    }
+}
+
+std::size_t packet_lanes() {
+    return hn::Lanes(D());
+}
+
+void march_packet(const MarchInput& in, Packet& packet) {
+    const D d;
+    const DI di;
+    const V zero = hn::Zero(d);
+    const V one = hn::Set(d, 1.0F);
+    const V half = hn::Set(d, 0.5F);
+    const V step = hn::Set(d, in.step);
+    const V inverse_step = hn::Set(d, 1.0F / in.step);
+    const V dx = hn::LoadU(d, packet.d[0]);
+    const V dy = hn::LoadU(d, packet.d[1]);
+    const V dz = hn::LoadU(d, packet.d[2]);
+    const V ex = hn::Set(d, in.eye[0]);
+    const V ey = hn::Set(d, in.eye[1]);
+    const V ez = hn::Set(d, in.eye[2]);
+    const auto safe_inverse = [&](V v) {
+        const V tiny = hn::Set(d, 1e-12F);
+        return hn::Div(one, hn::IfThenElse(hn::Lt(hn::Abs(v), tiny), hn::CopySign(tiny, v), v));
+    };
+    const V inverse_x = safe_inverse(dx);
+    const V inverse_y = safe_inverse(dy);
+    const V inverse_z = safe_inverse(dz);
+    const M positive_x = hn::Gt(dx, zero);
+    const M positive_y = hn::Gt(dy, zero);
+    const M positive_z = hn::Gt(dz, zero);
+    const V t0 = hn::LoadU(d, packet.t0);
+    const V t1 = hn::LoadU(d, packet.t1);
+    const V low = zero;
+    const V sx = hn::Set(d, in.volume.size[0] - 1e-3F);
+    const V sy = hn::Set(d, in.volume.size[1] - 1e-3F);
+    const V sz = hn::Set(d, in.volume.size[2] - 1e-3F);
+
+    V k = hn::Max(zero, hn::Floor(hn::Mul(t0, inverse_step)));
+    V width = one; // steps this sample stands for
+    V transmittance = one;
+    V depth = zero;
+    V weight = zero;
+    V beam[max_lights];
+    V field[3];
+    for (int i = 0; i < in.lights; ++i) {
+        beam[i] = zero;
+    }
+    for (int i = 0; i < in.fields; ++i) {
+        field[i] = zero;
+    }
+    M active = hn::Lt(t0, t1);
+    while (!hn::AllFalse(d, active)) {
+        const V from = hn::Max(hn::Mul(k, step), t0);
+        const V to = hn::Min(hn::Mul(hn::Add(k, width), step), t1);
+        active = hn::And(active, hn::Lt(from, t1));
+        const V t = hn::Mul(half, hn::Add(from, to));
+        // Points of lanes that are done stay in the volume, so that their loads are harmless.
+        const V px = hn::Min(hn::Max(hn::MulAdd(dx, t, ex), low), sx);
+        const V py = hn::Min(hn::Max(hn::MulAdd(dy, t, ey), low), sy);
+        const V pz = hn::Min(hn::Max(hn::MulAdd(dz, t, ez), low), sz);
+        const VI ix = hn::ConvertTo(di, px);
+        const VI iy = hn::ConvertTo(di, py);
+        const VI iz = hn::ConvertTo(di, pz);
+        const VI bx = hn::ShiftRight<3>(ix);
+        const VI by = hn::ShiftRight<3>(iy);
+        const VI bz = hn::ShiftRight<3>(iz);
+        const VI brick = find_brick(in.volume, bx, by, bz);
+        const M filled = hn::And(active, hn::RebindMask(d, hn::Gt(brick, hn::Set(di, -1))));
+        V next = hn::Add(k, width);
+        V next_width = one;
+        if (!hn::AllFalse(d, filled)) {
+            const V density = hn::IfThenElseZero(filled, sample_brick(in.volume, hn::Max(brick, hn::Zero(di)), ix, iy,
+                                                                      iz, hn::Sub(px, hn::ConvertTo(d, ix)),
+                                                                      hn::Sub(py, hn::ConvertTo(d, iy)),
+                                                                      hn::Sub(pz, hn::ConvertTo(d, iz))));
+            const V s = hn::Mul(density, hn::Set(d, in.extinction));
+            const V length = hn::Max(hn::Sub(to, from), zero);
+            const V tau = hn::Mul(s, length);
+            if (!hn::AllFalse(d, hn::And(active, hn::Gt(tau, zero)))) {
+                // 1 - exp(-tau) by its series where the subtraction would cancel.
+                const V e = hn::Exp(d, hn::Max(hn::Neg(tau), hn::Set(d, -87.0F)));
+                const V series =
+                    hn::Mul(tau, hn::MulAdd(tau, hn::MulAdd(tau, hn::Set(d, 1.0F / 6.0F), hn::Set(d, -0.5F)), one));
+                const V opacity = hn::IfThenElse(hn::Lt(tau, hn::Set(d, 1e-2F)), series, hn::Sub(one, e));
+                const V share = hn::IfThenElseZero(active, hn::Mul(transmittance, in.riemann ? tau : opacity));
+                for (int i = 0; i < in.lights; ++i) {
+                    const V optical = sample_field(in.depth[i], px, py, pz);
+                    const V u = hn::Mul(
+                        hn::Min(hn::Sqrt(hn::Max(hn::Mul(optical, hn::Set(d, in.inverse_max_depth)), zero)), one),
+                        hn::Set(d, static_cast<float>(BeamTable::depths - 1)));
+                    const VI iu = hn::Min(hn::ConvertTo(di, u), hn::Set(di, BeamTable::depths - 2));
+                    const V tu = hn::Sub(u, hn::ConvertTo(d, iu));
+                    const V a = hn::LoadU(d, packet.angle[i]);
+                    const VI ia = hn::Min(hn::ConvertTo(di, a), hn::Set(di, BeamTable::angles - 2));
+                    const V ta = hn::Sub(a, hn::ConvertTo(d, ia));
+                    const VI at = hn::Add(hn::Mul(ia, hn::Set(di, BeamTable::depths)), iu);
+                    const V near = lerp(hn::GatherIndex(d, in.table, at), hn::GatherIndex(d, in.table + 1, at), tu);
+                    const V far = lerp(hn::GatherIndex(d, in.table + BeamTable::depths, at),
+                                       hn::GatherIndex(d, in.table + BeamTable::depths + 1, at), tu);
+                    const V decay =
+                        hn::Exp(d, hn::Max(hn::Mul(optical, hn::Set(d, -in.table_decay)), hn::Set(d, -87.0F)));
+                    beam[i] = hn::MulAdd(share, hn::Mul(lerp(near, far, ta), decay), beam[i]);
+                }
+                for (int i = 0; i < in.fields; ++i) {
+                    field[i] = hn::MulAdd(share, sample_field(in.field[i], px, py, pz), field[i]);
+                }
+                const V seen = hn::IfThenElseZero(active, hn::Mul(transmittance, opacity));
+                depth = hn::MulAdd(seen, t, depth);
+                weight = hn::Add(weight, seen);
+                transmittance =
+                    hn::IfThenElse(hn::And(active, hn::Gt(tau, zero)), hn::Mul(transmittance, e), transmittance);
+                if (in.optical_step > 0.0F) {
+                    // The less is still seen, the more optical depth a step may span.
+                    const V allowed =
+                        hn::Mul(hn::Set(d, in.optical_step),
+                                hn::Div(hn::Sub(one, transmittance), hn::Max(transmittance, hn::Set(d, 1e-3F))));
+                    const V steps = hn::Floor(hn::Div(allowed, hn::Max(hn::Mul(s, step), hn::Set(d, 0.05F))));
+                    next_width = hn::Min(hn::Max(steps, one), hn::Set(d, 4.0F));
+                }
+            }
+        }
+        const M vacant = hn::AndNot(hn::RebindMask(d, hn::Gt(brick, hn::Set(di, -1))), active);
+        if (!hn::AllFalse(d, vacant)) {
+            // Leave the empty brick, or the empty node of 8^3 bricks, at once.
+            const auto nodeless = hn::Eq(brick, hn::Set(di, -2));
+            const VI size = hn::IfThenElse(nodeless, hn::Set(di, 64), hn::Set(di, 8));
+            const VI mask = hn::Neg(size);
+            const V extent = hn::ConvertTo(d, size);
+            const auto exit = [&](VI cell, V eye, V inverse, M positive) {
+                const V corner = hn::ConvertTo(d, hn::And(cell, mask));
+                return hn::Mul(hn::Sub(hn::Add(corner, hn::IfThenElseZero(positive, extent)), eye), inverse);
+            };
+            const V leave = hn::Min(hn::Min(exit(ix, ex, inverse_x, positive_x), exit(iy, ey, inverse_y, positive_y)),
+                                    exit(iz, ez, inverse_z, positive_z));
+            const V beyond = hn::Ceil(hn::MulSub(leave, inverse_step, half));
+            next = hn::IfThenElse(vacant, hn::Max(next, hn::Min(beyond, hn::Set(d, 1e9F))), next);
+        }
+        k = next;
+        width = next_width;
+        active = hn::And(active, hn::Gt(transmittance, hn::Set(d, in.stop)));
+    }
+    // What rays that stopped early have left out counts as more of the same.
+    const M stopped = hn::Le(transmittance, hn::Set(d, in.stop));
+    const V correction = hn::IfThenElse(stopped, hn::Div(one, hn::Sub(one, hn::Min(transmittance, half))), one);
+    for (int i = 0; i < in.lights; ++i) {
+        hn::StoreU(hn::Mul(hn::Mul(beam[i], correction), hn::Set(d, in.beam_scale)), d, packet.beam[i]);
+    }
+    for (int i = 0; i < in.fields; ++i) {
+        hn::StoreU(hn::Mul(field[i], correction), d, packet.field[i]);
+    }
+    hn::StoreU(hn::IfThenElseZero(hn::Not(stopped), transmittance), d, packet.transmittance);
+    hn::StoreU(hn::IfThenElseZero(hn::Gt(weight, zero), hn::Div(depth, hn::Max(weight, hn::Set(d, 1e-30F)))), d,
+               packet.depth);
+}
+
+} // namespace alpenglow::clouds::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+#include <alpenglow/core/parallel_for.hpp>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace alpenglow::clouds {
+
+HWY_EXPORT(sample_points);
+HWY_EXPORT(march_packet);
+HWY_EXPORT(packet_lanes);
+
+namespace {
+
+BrickView view_of(const BrickVolume& volume) {
+    const glm::ivec3 size = volume.size();
+    return {volume.table().node_table().data(),
+            volume.table().entries().data(),
+            volume.scales().data(),
+            volume.offsets().data(),
+            volume.data().data(),
+            volume.table().nodes().x,
+            volume.table().nodes().y,
+            {static_cast<float>(size.x), static_cast<float>(size.y), static_cast<float>(size.z)}};
+}
+
+FieldView view_of(const Field16& field, const glm::ivec3& corner) {
+    const Lattice& l = field.lattice;
+    const float half = 0.5F * static_cast<float>(l.factor - 1);
+    return {field.values.data(),
+            {static_cast<float>(l.first.x - corner.x) + half, static_cast<float>(l.first.y - corner.y) + half,
+             static_cast<float>(l.first.z - corner.z) + half},
+            1.0F / static_cast<float>(l.factor),
+            {l.dims.x, l.dims.y, l.dims.z},
+            field.offset,
+            field.scale};
+}
+
+} // namespace
+
+void sample_batch(const BrickVolume& volume, std::span<const float> x, std::span<const float> y,
+                  std::span<const float> z, std::span<float> density) {
+    assert(x.size() == y.size() && y.size() == z.size() && z.size() == density.size());
+    if (volume.empty()) {
+        std::fill(density.begin(), density.end(), 0.0F);
+        return;
+    }
+    // The kernel works from the volume's corner; a block at a time is shifted there.
+    constexpr std::size_t block = 256;
+    float shifted[3][block];
+    const glm::vec3 corner(volume.min());
+    for (std::size_t i = 0; i < x.size(); i += block) {
+        const std::size_t n = std::min(block, x.size() - i);
+        for (std::size_t j = 0; j < n; ++j) {
+            shifted[0][j] = x[i + j] - corner.x;
+            shifted[1][j] = y[i + j] - corner.y;
+            shifted[2][j] = z[i + j] - corner.z;
+        }
+        HWY_DYNAMIC_DISPATCH(sample_points)(view_of(volume), shifted[0], shifted[1], shifted[2], density.data() + i, n);
+    }
+}
+
+Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Camera& camera,
+              const MarchSettings& settings) {
+    Picture picture(camera.width, camera.height);
+    if (volume.empty()) {
+        return picture;
+    }
+    assert(lighting.lights().size() <= std::size_t(max_lights));
+    const GridTransform& transform = volume.transform();
+    const glm::dvec3 eye = transform.index_from_world(camera.position_m);
+    const CloudLighting::ViewFields fields = lighting.contract(eye);
+    const auto voxel = static_cast<float>(std::min({transform.voxel_m.x, transform.voxel_m.y, transform.voxel_m.z}));
+    MarchInput in{};
+    in.volume = view_of(volume);
+    in.lights = static_cast<int>(lighting.lights().size());
+    for (int i = 0; i < in.lights; ++i) {
+        in.depth[i] = view_of(lighting.lights()[std::size_t(i)].depth, volume.min());
+    }
+    in.fields = static_cast<int>(fields.fields.size());
+    for (int i = 0; i < in.fields; ++i) {
+        in.field[i] = view_of(fields.fields[std::size_t(i)], volume.min());
+    }
+    in.table = lighting.table().values().data();
+    in.table_decay = lighting.table().decay();
+    in.inverse_max_depth = 1.0F / lighting.table().max_depth();
+    for (int a = 0; a < 3; ++a) {
+        in.eye[a] = static_cast<float>(eye[a] - double(volume.min()[a]));
+    }
+    in.step = settings.step_voxels * voxel;
+    in.extinction = lighting.medium().extinction_per_m * lighting.eye_extinction();
+    in.beam_scale = 1.0F / lighting.eye_extinction();
+    in.optical_step = settings.optical_step;
+    in.stop = settings.stop_transmittance;
+    in.riemann = lighting.settings().method == LightingMethod::harris;
+    const glm::vec3 low = glm::vec3(volume.active_low() - volume.min()) - 1.0F;
+    const glm::vec3 high = glm::vec3(volume.active_high() - volume.min()) + 1.0F;
+    // Packets are tiles four pixels wide: neighbours take the same bricks.
+    const int lanes = static_cast<int>(HWY_DYNAMIC_DISPATCH(packet_lanes)());
+    const int tile_w = std::min(4, lanes);
+    const int tile_h = lanes / tile_w;
+    const int tiles_x = (camera.width + tile_w - 1) / tile_w;
+    const int tiles_y = (camera.height + tile_h - 1) / tile_h;
+    parallel_for(
+        std::size_t(tiles_x) * std::size_t(tiles_y), 8,
+        [&](std::size_t begin, std::size_t end) {
+            Packet packet{};
+            for (std::size_t tile = begin; tile < end; ++tile) {
+                const int x0 = static_cast<int>(tile % std::size_t(tiles_x)) * tile_w;
+                const int y0 = static_cast<int>(tile / std::size_t(tiles_x)) * tile_h;
+                bool any = false;
+                for (int lane = 0; lane < lanes; ++lane) {
+                    const int x = std::min(x0 + lane % tile_w, camera.width - 1);
+                    const int y = std::min(y0 + lane / tile_w, camera.height - 1);
+                    const glm::vec3 world =
+                        camera.direction(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
+                    const glm::vec3 local(transform.local_direction(glm::dvec3(world)));
+                    const glm::vec3 direction = local / glm::vec3(transform.voxel_m);
+                    float t0 = 0.0F;
+                    float t1 =
+                        settings.scene_depth_m.empty()
+                            ? 1e30F
+                            : settings.scene_depth_m[std::size_t(y) * std::size_t(camera.width) + std::size_t(x)];
+                    for (int a = 0; a < 3; ++a) {
+                        packet.d[a][lane] = direction[a];
+                        const float inverse =
+                            1.0F /
+                            (std::abs(direction[a]) < 1e-12F ? std::copysign(1e-12F, direction[a]) : direction[a]);
+                        const float u = (low[a] - in.eye[a]) * inverse;
+                        const float v = (high[a] - in.eye[a]) * inverse;
+                        t0 = std::max(t0, std::min(u, v));
+                        t1 = std::min(t1, std::max(u, v));
+                    }
+                    packet.t0[lane] = t0;
+                    packet.t1[lane] = t1;
+                    any = any || t0 < t1;
+                    for (int i = 0; i < in.lights; ++i) {
+                        const glm::vec3 difference = lighting.lights()[std::size_t(i)].to_light - local;
+                        packet.angle[i][lane] = lighting.table().angle_coordinate(
+                            0.5F *
+                            (difference.x * difference.x + difference.y * difference.y + difference.z * difference.z));
+                    }
+                }
+                if (!any) {
+                    continue;
+                }
+                HWY_DYNAMIC_DISPATCH(march_packet)(in, packet);
+                for (int lane = 0; lane < lanes; ++lane) {
+                    const int x = x0 + lane % tile_w;
+                    const int y = y0 + lane / tile_w;
+                    if (x >= camera.width || y >= camera.height) {
+                        continue;
+                    }
+                    const std::size_t pixel = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
+                    glm::vec3 sum(0.0F);
+                    for (int i = 0; i < in.lights; ++i) {
+                        sum += lighting.lights()[std::size_t(i)].irradiance * packet.beam[i][lane];
+                    }
+                    if (in.fields == 1) {
+                        sum += fields.colour * packet.field[0][lane];
+                    } else if (in.fields == 3) {
+                        sum += glm::vec3(packet.field[0][lane], packet.field[1][lane], packet.field[2][lane]);
+                    }
+                    picture.radiance[pixel] =
+                        glm::vec3(std::max(sum.x, 0.0F), std::max(sum.y, 0.0F), std::max(sum.z, 0.0F));
+                    picture.transmittance[pixel] = packet.transmittance[lane];
+                    picture.depth_m[pixel] = packet.depth[lane];
+                }
+            }
+        },
+        settings.threads);
+    return picture;
+}
+
+} // namespace alpenglow::clouds
+#endif

@@ -1,0 +1,113 @@
+#include "clouds_test_support.hpp"
+
+#include <alpenglow/clouds/march.hpp>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace alpenglow;
+using namespace alpenglow::clouds;
+
+struct Scene {
+    SparseGrid grid = noise_cloud(51, 40);
+    BrickVolume volume{grid};
+    CloudLighting lighting;
+    explicit Scene(LightingMethod method = LightingMethod::transport) {
+        LightingSettings settings;
+        settings.method = method;
+        lighting.reset(volume, {0.5F, 0.98F, {}}, settings);
+        lighting.bake_light(0, {test::unit({0.2F, 0.4F, 0.8F}), glm::vec3(10.0F, 9.0F, 8.0F), 0.0F});
+        lighting.bake_light(1, {test::unit({-0.2F, -0.4F, 0.3F}), glm::vec3(0.2F, 0.3F, 0.8F), 0.0F});
+        SkySh sky = SkySh::uniform(glm::vec3(0.3F, 0.5F, 1.0F));
+        sky.bands = 2;
+        sky.coefficients[2] = glm::vec3(0.1F, 0.3F, 0.5F);
+        lighting.bake_sky(sky);
+    }
+};
+
+TEST(CloudMarch, VectorsAndScalarsSeeTheSame) {
+    for (const LightingMethod method : {LightingMethod::single_scattering, LightingMethod::harris,
+                                        LightingMethod::octaves, LightingMethod::transport}) {
+        const Scene scene(method);
+        for (const glm::dvec3& eye : {glm::dvec3(-60, -20, 50), glm::dvec3(20, 20, 20), glm::dvec3(20, 20, 120)}) {
+            const Camera camera = look_at(eye, {20, 21, 19}, 0.4F, 37, 23);
+            const Picture a = march(scene.volume, scene.lighting, camera);
+            const Picture b = march_scalar(scene.volume, scene.lighting, camera);
+            for (std::size_t i = 0; i < a.radiance.size(); ++i) {
+                for (int k = 0; k < 3; ++k) {
+                    ASSERT_NEAR(a.radiance[i][k], b.radiance[i][k], 2e-3F * b.radiance[i][k] + 2e-4F);
+                }
+                ASSERT_NEAR(a.transmittance[i], b.transmittance[i], 1e-4F);
+                ASSERT_NEAR(a.depth_m[i], b.depth_m[i], 1e-2F * b.depth_m[i] + 1e-2F);
+            }
+        }
+    }
+}
+
+TEST(CloudMarch, StepsConverge) {
+    const Scene scene;
+    const Camera camera = look_at({-50, -40, 60}, {20, 20, 20}, 0.35F, 32, 20);
+    MarchSettings settings;
+    settings.step_voxels = 0.125F;
+    const Picture fine = march(scene.volume, scene.lighting, camera, settings);
+    double last = 1e9;
+    for (const float step : {2.0F, 1.0F, 0.5F}) {
+        settings.step_voxels = step;
+        const Picture picture = march(scene.volume, scene.lighting, camera, settings);
+        double error = 0.0;
+        double norm = 0.0;
+        for (std::size_t i = 0; i < fine.radiance.size(); ++i) {
+            error += std::pow(double(picture.radiance[i].y - fine.radiance[i].y), 2.0);
+            norm += std::pow(double(fine.radiance[i].y), 2.0);
+        }
+        error = std::sqrt(error / norm);
+        EXPECT_LT(error, step >= 2.0F ? 0.05 : 0.02) << step;
+        EXPECT_LT(error, last);
+        last = error;
+    }
+    settings.step_voxels = 1.0F;
+    settings.optical_step = 0.5F; // longer steps where little is seen any more
+    const Picture longer = march(scene.volume, scene.lighting, camera, settings);
+    double error = 0.0;
+    double norm = 0.0;
+    for (std::size_t i = 0; i < fine.radiance.size(); ++i) {
+        error += std::pow(double(longer.radiance[i].y - fine.radiance[i].y), 2.0);
+        norm += std::pow(double(fine.radiance[i].y), 2.0);
+    }
+    EXPECT_LT(std::sqrt(error / norm), 0.03);
+}
+
+TEST(CloudMarch, OpaqueThingsHideWhatIsBehindThem) {
+    const Scene scene;
+    const Camera camera = look_at({20, -100, 20}, {20, 20, 20}, 0.3F, 20, 20);
+    const Picture open = march(scene.volume, scene.lighting, camera);
+    std::vector<float> depth(400, 50.0F); // a wall before the cloud
+    MarchSettings settings;
+    settings.scene_depth_m = depth;
+    const Picture hidden = march(scene.volume, scene.lighting, camera, settings);
+    depth.assign(400, 120.0F); // through its middle
+    const Picture half = march(scene.volume, scene.lighting, camera, settings);
+    depth.assign(400, 1e6F);
+    const Picture behind = march(scene.volume, scene.lighting, camera, settings);
+    for (std::size_t i = 0; i < 400; ++i) {
+        EXPECT_EQ(hidden.transmittance[i], 1.0F);
+        EXPECT_EQ(hidden.radiance[i].x, 0.0F);
+        EXPECT_GE(half.transmittance[i], open.transmittance[i] - 1e-6F);
+        EXPECT_LE(half.depth_m[i], 120.0F);
+        EXPECT_EQ(behind.radiance[i], open.radiance[i]);
+    }
+}
+
+TEST(CloudMarch, ThreadsDoNotMatter) {
+    const Scene scene;
+    const Camera camera = look_at({-50, -40, 60}, {20, 20, 20}, 0.35F, 33, 17);
+    MarchSettings settings;
+    settings.threads = 1;
+    const Picture a = march(scene.volume, scene.lighting, camera, settings);
+    settings.threads = 3;
+    const Picture b = march(scene.volume, scene.lighting, camera, settings);
+    EXPECT_EQ(a.radiance, b.radiance);
+}
+
+} // namespace
