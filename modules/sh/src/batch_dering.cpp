@@ -49,31 +49,53 @@ struct Value {
     V slope1, slope2; // its derivatives by w1 and w2
 };
 
+// One step of Newton on 1 / |n| = 1 for nu, n_i = -b_i / (g_i + nu); from below it stays below.
+template <int Terms>
+HWY_INLINE V newton(const V (&b)[Terms], const V (&g)[Terms], V nu) {
+    const V tiny = constant(1e-30), zero = hn::Zero(d);
+    V sum = zero, slope = tiny;
+    HWY_UNROLL(4)
+    for (int i = 0; i < Terms; ++i) {
+        const V rough = hn::ApproximateReciprocal(hn::Max(hn::Add(g[i], nu), tiny));
+        const V n = hn::Mul(b[i], rough);
+        const V square = hn::Mul(n, n);
+        sum = hn::Add(sum, square);
+        slope = hn::MulAdd(square, rough, slope);
+    }
+    // nu may only grow: a rough reciprocal must not step back over the pole.
+    const V length = hn::Mul(sum, hn::ApproximateReciprocalSqrt(hn::Max(sum, tiny)));
+    return hn::MulAdd(hn::Mul(sum, hn::Max(hn::Sub(length, constant(1.0)), zero)), hn::ApproximateReciprocal(slope),
+                      nu);
+}
+
 // The dual of the minimum over unit n, after a few Newton steps on 1 / |n| = 1 (see quadratic.cpp).
 template <int Terms, bool Slopes>
 HWY_INLINE Value minimum(const Form<Terms>& form, V w1, V w2) {
-    const V tiny = constant(1e-30), one = constant(1.0), zero = hn::Zero(d);
-    V b[Terms], g[Terms], r[Terms], n2[Terms];
-    V nu = zero;
+    const V tiny = constant(1e-30), zero = hn::Zero(d);
+    V b[Terms], g[Terms], r[Terms], n2[Terms], large[Terms];
+    V most = zero;
     HWY_UNROLL(4)
     for (int i = 0; i < Terms; ++i) {
         b[i] = hn::Mul(w1, form.half[i]);
         g[i] = hn::Mul(w2, form.gap[i]);
-        nu = hn::Max(nu, hn::Sub(hn::Abs(b[i]), g[i]));
+        most = hn::Max(most, hn::Abs(b[i]));
     }
-    for (int iteration = 0; iteration < 4; ++iteration) {
-        V sum = zero, slope = tiny;
-        HWY_UNROLL(4)
-        for (int i = 0; i < Terms; ++i) {
-            const V rough = hn::ApproximateReciprocal(hn::Max(hn::Add(g[i], nu), tiny));
-            const V n = hn::Mul(b[i], rough);
-            const V square = hn::Mul(n, n);
-            sum = hn::Add(sum, square);
-            slope = hn::MulAdd(square, rough, slope);
-        }
-        // nu may only grow: a rough reciprocal must not step back over the pole.
-        const V length = hn::Mul(sum, hn::ApproximateReciprocalSqrt(hn::Max(sum, tiny)));
-        nu = hn::MulAdd(hn::Mul(sum, hn::Max(hn::Sub(length, one), zero)), hn::ApproximateReciprocal(slope), nu);
+    // First without the terms that hardly matter: with a small b over a small gap Newton would start beside a pole, and
+    // only double nu at each step. Leaving terms out can only make nu too small, which is the safe side.
+    V nu = zero, full = zero;
+    HWY_UNROLL(4)
+    for (int i = 0; i < Terms; ++i) {
+        const V size = hn::Abs(b[i]);
+        large[i] = hn::IfThenElseZero(hn::Gt(size, hn::Mul(constant(0.03), most)), b[i]);
+        nu = hn::Max(nu, hn::Sub(hn::Abs(large[i]), g[i]));
+        full = hn::Max(full, hn::Sub(size, g[i]));
+    }
+    for (int iteration = 0; iteration < 3; ++iteration) {
+        nu = newton<Terms>(large, g, nu);
+    }
+    nu = hn::Max(nu, full);
+    for (int iteration = 0; iteration < 3; ++iteration) {
+        nu = newton<Terms>(b, g, nu);
     }
     V loss = nu;
     HWY_UNROLL(4)
@@ -239,7 +261,7 @@ HWY_INLINE Column column(V u) {
 
 // Where along the table the minimum is zero, given that it is negative at u = 7; not below `end`.
 template <int Terms>
-HWY_INLINE V solve_sloan(const Form<Terms>& form, double end) {
+HWY_INLINE V solve_sloan(const Form<Terms>& form, double end, M needed) {
     // Binary search over the columns; then Newton within one, where the minimum is concave and approached from below.
     const V zero = hn::Zero(d), limit = constant(end);
     V u = constant(detail::sloan_columns - 1);
@@ -251,21 +273,27 @@ HWY_INLINE V solve_sloan(const Form<Terms>& form, double end) {
     const V first = u, last = hn::Max(hn::Sub(u, constant(1.0)), limit);
     // The column between last and first.
     const Column c = column(last);
-    for (int iteration = 0; iteration < 5; ++iteration) {
+    for (int iteration = 0; iteration < 8; ++iteration) {
         const V along = hn::Sub(u, last);
         const Value value =
             minimum<Terms, true>(form, hn::MulAdd(along, c.slope1, c.w1), hn::MulAdd(along, c.slope2, c.w2));
         const V slope = hn::MulAdd(value.slope1, c.slope1, hn::Mul(value.slope2, c.slope2));
         const V step =
             hn::Div(iteration < 4 ? value.dual : hn::Min(value.dual, zero), hn::Min(slope, constant(-1e-12)));
-        u = hn::Min(hn::Max(hn::Sub(u, step), last), first);
+        const V next = hn::Min(hn::Max(hn::Sub(u, step), last), first);
+        const M open =
+            hn::And(hn::Ne(next, u), hn::Gt(hn::Abs(value.dual), hn::Mul(constant(0.2 * tolerance), form.mean)));
+        u = next;
+        if (hn::AllFalse(d, hn::And(needed, open))) {
+            break;
+        }
     }
     return u;
 }
 
 // p with a minimum of zero at the factors p, p^3. What the bands take away grows like p to a power between 0 and 3
 // known from its slope: Halley's formula for that root converges from afar.
-HWY_INLINE V solve_gauss(const Form<3>& form, V linear) {
+HWY_INLINE V solve_gauss(const Form<3>& form, V linear, M needed) {
     const V one = constant(1.0), tiny = constant(1e-30);
     // The linear band alone, and the lowest eigenvalue alone, whose cube root starts from its exponent.
     const V cube = hn::Div(form.mean, hn::Max(hn::Neg(form.lowest), tiny));
@@ -276,9 +304,13 @@ HWY_INLINE V solve_gauss(const Form<3>& form, V linear) {
     V good = hn::Min(one, hn::Div(form.mean, hn::Max(hn::Sub(linear, form.lowest), tiny)));
     V bad = hn::Min(one, hn::Mul(third, constant(1.1)));
     V p = hn::Max(good, hn::Min(bad, hn::Div(form.mean, hn::Max(linear, tiny))));
-    for (int iteration = 0; iteration < 7; ++iteration) {
+    for (int iteration = 0; iteration < 20; ++iteration) {
         const V square = hn::Mul(p, p);
         const Value value = minimum<3, true>(form, p, hn::Mul(square, p));
+        const M open = hn::Gt(hn::Abs(value.dual), hn::Mul(constant(0.2 * tolerance), form.mean));
+        if (hn::AllFalse(d, hn::And(needed, open))) {
+            break;
+        }
         const V taken = hn::Max(hn::Sub(form.mean, value.dual), tiny);
         const V slope = hn::MulAdd(hn::Mul(constant(3.0), square), value.slope2, value.slope1);
         const V power = hn::Min(hn::Max(hn::Div(hn::Mul(hn::Neg(p), slope), taken), constant(1e-3)), constant(3.0));
@@ -394,7 +426,7 @@ struct Kernel {
                     if (hn::AllFalse(d, needed)) {
                         continue;
                     }
-                    own_kept = solve_sloan<2>(form, 1.0);
+                    own_kept = solve_sloan<2>(form, 1.0, needed);
                 } else {
                     const Form<3> form = exact_form(p);
                     const V least = minimum<3, false>(form, one, one).dual;
@@ -405,16 +437,14 @@ struct Kernel {
                     if (family == WindowFamily::blend) { // towards the average the minimum is linear
                         own_kept = hn::Div(p.mean, hn::Max(hn::Sub(p.mean, least), constant(1e-30)));
                     } else if (family == WindowFamily::gauss) {
-                        own_kept = solve_gauss(form, linear);
+                        own_kept = solve_gauss(form, linear, needed);
                     } else {
-                        own_kept = solve_sloan<3>(form, 0.0);
+                        own_kept = solve_sloan<3>(form, 0.0, needed);
                     }
                 }
                 kept = hn::Min(kept, hn::IfThenElse(needed, own_kept, all));
                 windowed = hn::Or(windowed, needed);
             }
-            // A hair less, so that what float rounds away below zero stays within 1e-6 of the average.
-            kept = hn::IfThenElse(windowed, hn::Mul(kept, constant(1.0 - tolerance)), kept);
             V w1 = kept, w2 = kept;
             if (table) {
                 const Column c = column(kept);
@@ -423,6 +453,9 @@ struct Kernel {
             } else if (family == WindowFamily::gauss) {
                 w2 = hn::Mul(hn::Mul(w1, w1), w1);
             }
+            // A hair less, so that what float rounds away below zero stays within 1e-6 of the average.
+            w1 = hn::IfThenElse(windowed, hn::Mul(w1, constant(1.0 - tolerance)), w1);
+            w2 = hn::IfThenElse(windowed, hn::Mul(w2, constant(1.0 - tolerance)), w2);
             const M alive = hn::AndNot(dark, finite);
             w1 = hn::IfThenElseZero(alive, w1);
             w2 = hn::IfThenElseZero(alive, w2);
