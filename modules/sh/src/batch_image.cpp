@@ -198,13 +198,22 @@ struct RowSums {
     HWY_INLINE void run() const {
         const bool folds = span < width;
         const std::size_t stride = padded(span);
+        std::fill_n(sums, 6 * Order, 0.0);
+        // Float sums of 32 terms, then double.
+        for (std::size_t first = 0; first < span; first += 32 * lanes()) {
+            add<Order>(first, HWY_MIN(span, first + 32 * lanes()), folds, stride);
+        }
+    }
+
+    template <int Order>
+    HWY_INLINE void add(std::size_t first, std::size_t last, bool folds, std::size_t stride) const {
         V sum[3][2 * Order];
         HWY_UNROLL(64)
         for (int i = 0; i < 2 * Order; ++i) {
             sum[0][i] = sum[1][i] = sum[2][i] = hn::Zero(d);
         }
         HWY_ALIGN float tail[2][3 * 16] = {};
-        for (std::size_t k = 0; k < span; k += lanes()) {
+        for (std::size_t k = first; k < last; k += lanes()) {
             const float* near = row + 3 * k;
             const float* far = near + 3 * span;
             if (k + lanes() > span) { // the last pixels, with black after them
@@ -242,7 +251,7 @@ struct RowSums {
         for (int i = 0; i < 2 * Order; ++i) {
             HWY_UNROLL(4)
             for (int c = 0; c < 3; ++c) {
-                sums[3 * i + c] = static_cast<double>(hn::GetLane(hn::SumOfLanes(d, sum[c][i])));
+                sums[3 * i + c] += static_cast<double>(hn::GetLane(hn::SumOfLanes(d, sum[c][i])));
             }
         }
     }
