@@ -28,6 +28,9 @@ Game::Game(const Scene& scene) : world_(build_world()), sky_(registry_.create())
 void Game::update(double dt_s, int width, int height) {
     clock().utc_j2000_s += dt_s * clock().rate;
     const Frame frame{frame_index_++, dt_s};
+    frame_.view = camera.view();
+    frame_.projection = camera.projection(static_cast<float>(width) / static_cast<float>(height));
+    frame_.camera_m = camera.position_m;
 
     reports_.clear();
     reports_.push_back(update_ephemeris(registry_, frame));
@@ -36,7 +39,7 @@ void Game::update(double dt_s, int width, int height) {
     reports_.push_back(update_dome());
     reports_.push_back(update_terrain(height));
     reports_.push_back(update_shadows());
-    update_frame(dt_s, static_cast<float>(width) / static_cast<float>(height));
+    update_frame(dt_s);
 }
 
 void Game::enter(const Scene& scene) {
@@ -92,10 +95,7 @@ SystemReport Game::update_shadows() {
     return world_->shadows->update(input, *world_->lod);
 }
 
-void Game::update_frame(double dt_s, float aspect) {
-    frame_.view = camera.view();
-    frame_.projection = camera.projection(aspect);
-    frame_.camera_m = camera.position_m;
+void Game::update_frame(double dt_s) {
     frame_.camera_horizon = terrain_horizon(world_->terrain, world_->data.terrain, glm::vec2(camera.position_m));
     const float exposure = automatic_exposure(light_.average_luminance_cd_m2, exposure_bias_ev);
     frame_.exposure = exposed_ ? adapt_exposure(frame_.exposure, exposure, static_cast<float>(dt_s)) : exposure;

@@ -49,7 +49,7 @@ private:
     SystemReport update_dome();
     SystemReport update_terrain(int height);
     SystemReport update_shadows();
-    void update_frame(double dt_s, float aspect);
+    void update_frame(double dt_s);
 
     std::unique_ptr<World> world_;
     BasicRegistry registry_;

@@ -12,7 +12,7 @@ namespace alpenglow::sandbox {
 struct FrameReport {
     double cpu_ms = 0.0;  // CPU time of the whole process, all threads
     double wall_ms = 0.0;
-    std::vector<SystemReport> systems; // in the order of the frame
+    std::vector<SystemReport> systems{}; // in the order of the frame
 };
 
 struct RunReport {
@@ -21,7 +21,7 @@ struct RunReport {
     std::string quality;
     int width = 0;
     int height = 0;
-    std::vector<FrameReport> frames;
+    std::vector<FrameReport> frames{};
 };
 
 // The document as JSON text; its format is described in docs/sandbox.md.

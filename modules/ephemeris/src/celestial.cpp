@@ -4,7 +4,7 @@
 #include <alpenglow/ephemeris/frames.hpp>
 #include <alpenglow/ephemeris/time.hpp>
 
-#include "quiet.hpp"
+#include <alpenglow/core/quiet.hpp>
 
 #include <array>
 #include <cassert>

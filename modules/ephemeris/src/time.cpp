@@ -1,6 +1,6 @@
 #include <alpenglow/ephemeris/time.hpp>
 
-#include "quiet.hpp"
+#include <alpenglow/core/quiet.hpp>
 
 #include <algorithm>
 #include <array>

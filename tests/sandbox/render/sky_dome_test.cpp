@@ -1,0 +1,103 @@
+#include "sandbox/render/sky_dome.hpp"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+
+namespace alpenglow::sandbox {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+const std::vector<glm::vec3> kSuns{{0.0F, 0.0F, 1.0F}, {0.0F, 0.0F, -1.0F}, {1.0F, 0.0F, 0.0F},  {0.0F, -1.0F, 0.0F},
+                                   {0.6F, 0.0F, 0.8F}, {-0.3F, 0.9F, 0.1F}, {0.1F, -0.2F, -0.4F}};
+
+double solid_angle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) { // van Oosterom and Strackee 1983
+    return 2.0 *
+           std::atan2(std::abs(glm::dot(a, glm::cross(b, c))), 1.0 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
+}
+
+TEST(SkyDomeTest, DirectionsAreUnitAndNotBelowTheHorizon) {
+    std::vector<SkyVertex> sky(SkyDome::vertices);
+    for (const glm::vec3& sun : kSuns) {
+        place_sky_vertices(glm::normalize(sun), sky);
+        for (std::uint32_t i = 0; i < SkyDome::vertices; ++i) {
+            ASSERT_NEAR(glm::length(sky[i].direction), 1.0F, 1e-6F);
+            ASSERT_GE(sky[i].direction.z, 0.0F);
+            if (i < SkyDome::azimuths) {
+                ASSERT_EQ(sky[i].direction.z, 0.0F);
+            }
+        }
+    }
+}
+
+TEST(SkyDomeTest, CoversTheHemisphereOnce) {
+    std::vector<SkyVertex> sky(SkyDome::vertices);
+    const std::vector<std::uint32_t> indices = sky_dome_indices();
+    ASSERT_EQ(indices.size() % 3, 0U);
+    for (const glm::vec3& sun : kSuns) {
+        place_sky_vertices(glm::normalize(sun), sky);
+        double covered = 0.0;
+        for (std::size_t t = 0; t < indices.size(); t += 3) {
+            if (std::max({indices[t], indices[t + 1], indices[t + 2]}) < SkyDome::vertices) { // not the skirt
+                covered += solid_angle(sky[indices[t]].direction, sky[indices[t + 1]].direction,
+                                       sky[indices[t + 2]].direction);
+            }
+        }
+        EXPECT_NEAR(covered, 2.0 * std::numbers::pi, 1e-3);
+    }
+}
+
+// Every edge between triangles is shared by two of them, in opposite directions: no hole, no fold. The zenith's and the
+// nadir's rings are one point each and close the ends.
+TEST(SkyDomeTest, TopologyIsClosed) {
+    const auto point = [](std::uint32_t vertex) {
+        if (vertex >= SkyDome::vertices + SkyDome::azimuths) {
+            return SkyDome::vertices + SkyDome::azimuths;
+        }
+        if (vertex >= SkyDome::vertices - SkyDome::azimuths && vertex < SkyDome::vertices) {
+            return SkyDome::vertices - SkyDome::azimuths;
+        }
+        return vertex;
+    };
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+    const std::vector<std::uint32_t> indices = sky_dome_indices();
+    for (std::size_t t = 0; t < indices.size(); t += 3) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = point(indices[t + k]);
+            const std::uint32_t b = point(indices[t + (k + 1) % 3]);
+            ASSERT_NE(a, b);
+            ASSERT_LT(std::max(indices[t + k], indices[t + (k + 1) % 3]), SkyDome::vertices + SkyDome::skirt_vertices);
+            ++edges[{a, b}];
+        }
+    }
+    for (const auto& [edge, count] : edges) {
+        EXPECT_EQ(count, 1);
+        EXPECT_EQ(edges.count({edge.second, edge.first}), 1U);
+    }
+}
+
+TEST(SkyDomeTest, IsFinestAtTheSun) {
+    std::vector<SkyVertex> sky(SkyDome::vertices);
+    const glm::vec3 sun = glm::normalize(glm::vec3(0.5F, -0.4F, 0.25F));
+    place_sky_vertices(sun, sky);
+    const auto nearest = [&](glm::vec3 direction) {
+        float best = -1.0F;
+        for (const SkyVertex& vertex : sky) {
+            best = std::max(best, glm::dot(vertex.direction, direction));
+        }
+        return std::acos(std::min(best, 1.0F));
+    };
+    EXPECT_LT(nearest(sun), 1.5F * kPi / 180.0F);
+    for (std::uint32_t i = 1; i < SkyDome::azimuths; ++i) {
+        EXPECT_GT(sky_azimuth_from_sun(i), sky_azimuth_from_sun(i - 1));
+    }
+}
+
+} // namespace
+} // namespace alpenglow::sandbox
