@@ -266,15 +266,6 @@ Shared make_shared(int order, Deringing deringing, const ProbeSources& sources) 
     return shared;
 }
 
-// An occlusion is a function between 0 and 1, so that no coefficient is above sqrt(4 pi). By the bits: a comparison
-// with NaN would raise a floating-point exception.
-bool occlusion_coefficient(float v) {
-    return (std::bit_cast<std::uint32_t>(v) & 0x7fffffffU) <= std::bit_cast<std::uint32_t>(4.0F);
-}
-bool albedo_component(float v) {
-    return std::bit_cast<std::uint32_t>(v + 0.0F) <= std::bit_cast<std::uint32_t>(1.0F);
-}
-
 // A chunk's probes as rows.
 struct Chunk {
     explicit Chunk(const Shared& shared)

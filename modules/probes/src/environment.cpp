@@ -2,15 +2,16 @@
 
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/sh/basis.hpp>
+#include <alpenglow/sh/image.hpp>
+#include <alpenglow/sh/rotate.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include <glm/common.hpp>
+#include <glm/mat3x3.hpp>
 
 namespace alpenglow::probes {
 
@@ -57,60 +58,34 @@ Status check(const EnvironmentMap& map) {
     return Ok{};
 }
 
+namespace {
+
+// sh's maps look to +X in the middle and to +Y at its right; ours, as photographs do from within, to the north and the
+// east: a rotation and a reflection.
+glm::dmat3 local_from_image(double azimuth_rad) {
+    const double s = std::sin(azimuth_rad);
+    const double c = std::cos(azimuth_rad);
+    return {glm::dvec3(s, c, 0.0), glm::dvec3(c, -s, 0.0), glm::dvec3(0.0, 0.0, 1.0)}; // columns
+}
+
+} // namespace
+
 void project_environment(const EnvironmentMap& map, std::span<glm::vec3> out) {
-    const int order = map.order;
-    const auto n = static_cast<std::size_t>(sh::coefficient_count(order));
-    const auto width = static_cast<std::size_t>(map.width);
-    assert(out.size() >= n);
-    // Integrals of cos(m phi) and sin(m phi) over a column, for m = 0 .. order-1.
-    const auto orders = static_cast<std::size_t>(order);
-    std::vector<double> waves(2 * orders * width);
-    for (std::size_t m = 0; m < orders; ++m) {
-        const double half = static_cast<double>(m) * pi / map.width;
-        const double mean = m == 0 ? 1.0 : std::sin(half) / half;
-        for (std::size_t u = 0; u < width; ++u) {
-            const double phi =
-                two_pi * (static_cast<double>(u) + 0.5) / map.width + static_cast<double>(map.azimuth_rad);
-            waves[2 * m * width + u] = mean * std::cos(static_cast<double>(m) * phi);
-            waves[(2 * m + 1) * width + u] = mean * std::sin(static_cast<double>(m) * phi);
-        }
-    }
-    std::array<glm::dvec3, sh::max_coefficients> sum{};
-    std::array<double, sh::max_coefficients> basis{};
-    for (int v = 0; v < map.height; ++v) {
-        const double top = pi * v / map.height;
-        const double step = pi / map.height;
-        // cos(top) - cos(top + step), without cancellation.
-        const double weight = two_pi / map.width * 2.0 * std::sin(top + 0.5 * step) * std::sin(0.5 * step);
-        sh::evaluate_basis(order, glm::dvec3(std::sin(top + 0.5 * step), 0.0, std::cos(top + 0.5 * step)), basis);
-        const glm::vec3* const row = map.radiance.data() + static_cast<std::size_t>(v) * width;
-        for (int m = 0; m < order; ++m) {
-            const double* const c = waves.data() + 2 * static_cast<std::size_t>(m) * width;
-            const double* const s = c + width;
-            glm::dvec3 by_cos(0.0);
-            glm::dvec3 by_sin(0.0);
-            for (std::size_t u = 0; u < width; ++u) {
-                const glm::dvec3 radiance(row[u]);
-                by_cos += c[u] * radiance;
-                by_sin += s[u] * radiance;
-            }
-            for (int l = m; l < order; ++l) {
-                const double q = weight * basis[static_cast<std::size_t>(sh::index(l, m))];
-                sum[static_cast<std::size_t>(sh::index(l, m))] += q * by_cos;
-                if (m > 0) {
-                    sum[static_cast<std::size_t>(sh::index(l, -m))] += q * by_sin;
-                }
-            }
-        }
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-        out[i] = glm::vec3(static_cast<double>(map.scale) * sum[i]);
+    const auto n = static_cast<std::size_t>(sh::coefficient_count(map.order));
+    const std::span<glm::vec3> coefficients = out.first(n);
+    const sh::EquirectMap image{{&map.radiance.front().x, 3 * map.radiance.size()}, map.width, map.height};
+    const Result<std::size_t> projected = sh::project(image, map.order, coefficients);
+    assert(projected && *projected == 0); // check() has seen to it
+    const sh::Rotation turn(map.order, local_from_image(static_cast<double>(map.azimuth_rad)));
+    turn.apply(std::span<const glm::vec3>(coefficients), coefficients);
+    for (glm::vec3& c : coefficients) {
+        c *= map.scale;
     }
 }
 
 glm::vec3 environment_radiance(const EnvironmentMap& map, const glm::vec3& direction) {
     const glm::dvec3 d(direction);
-    const double turn = (std::atan2(d.y, d.x) - static_cast<double>(map.azimuth_rad)) / two_pi;
+    const double turn = (std::atan2(d.x, d.y) - static_cast<double>(map.azimuth_rad)) / two_pi + 0.5;
     const double u = (turn - std::floor(turn)) * map.width - 0.5;
     const double v = std::clamp(std::atan2(std::hypot(d.x, d.y), d.z) / pi * map.height - 0.5, 0.0, map.height - 1.0);
     const double u0 = std::floor(u);

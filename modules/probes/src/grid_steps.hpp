@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +19,15 @@ namespace alpenglow::probes {
 inline float visibility(const std::vector<float>& values, std::size_t probe) noexcept {
     const float v = values.empty() ? 1.0F : values[probe];
     return std::isgreater(v, 0.0F) ? std::min(v, 1.0F) : 0.0F;
+}
+
+// An occlusion is a function between 0 and 1, so that no coefficient is above sqrt(4 pi). By the bits: a comparison
+// with NaN would raise a floating-point exception.
+inline bool occlusion_coefficient(float v) noexcept {
+    return (std::bit_cast<std::uint32_t>(v) & 0x7fffffffU) <= std::bit_cast<std::uint32_t>(4.0F);
+}
+inline bool albedo_component(float v) noexcept {
+    return std::bit_cast<std::uint32_t>(v + 0.0F) <= std::bit_cast<std::uint32_t>(1.0F);
 }
 
 // Index distance of neighbours along each axis.

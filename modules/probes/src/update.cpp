@@ -37,6 +37,13 @@ void find_gains(const ProbeGrid& grid, ProbeGridSh& light) {
     for (std::size_t p = 0; p < count && !grid.occlusion.empty(); ++p) {
         double rest = 0.0;
         double both = 0.0;
+        bool usable = true;
+        for (std::size_t i = 0; i < n; ++i) {
+            usable = usable && occlusion_coefficient(grid.occlusion[i * count + p]);
+        }
+        if (!usable) {
+            continue;
+        }
         for (std::size_t i = 0; i < n; ++i) {
             const double o = static_cast<double>(grid.occlusion[i * count + p]);
             rest += i == 0 ? 0.0 : o * o;
@@ -47,16 +54,14 @@ void find_gains(const ProbeGrid& grid, ProbeGridSh& light) {
             const double z = lower[static_cast<std::size_t>(l)];
             both += z * (z + 2.0 * static_cast<double>(grid.occlusion[i * count + p]));
         }
-        if (std::isfinite(both)) {
-            const double mean = static_cast<double>(grid.occlusion[p]) / std::sqrt(4.0 * pi);
-            sky = std::max(sky, std::abs(1.0 - mean) + peak * std::sqrt(rest));
-            ground_squared = std::max(ground_squared, both);
-        }
+        const double mean = static_cast<double>(grid.occlusion[p]) / std::sqrt(4.0 * pi);
+        sky = std::max(sky, std::abs(1.0 - mean) + peak * std::sqrt(rest));
+        ground_squared = std::max(ground_squared, both);
     }
     glm::dvec3 albedo(grid.ground_albedo);
     for (const glm::vec3& a : grid.albedo) {
         for (int c = 0; c < 3; ++c) {
-            albedo[c] = std::isgreater(static_cast<double>(a[c]), albedo[c]) ? static_cast<double>(a[c]) : albedo[c];
+            albedo[c] = albedo_component(a[c]) ? std::max(albedo[c], static_cast<double>(a[c])) : albedo[c];
         }
     }
     light.sky_gain = sky;

@@ -10,6 +10,7 @@
 #include <alpenglow/core/system_report.hpp>
 #include <alpenglow/core/timing.hpp>
 #include <alpenglow/ecs/registry_concept.hpp>
+#include <alpenglow/probes/assemble.hpp>
 #include <alpenglow/probes/capture.hpp>
 #include <alpenglow/probes/environment.hpp>
 #include <alpenglow/probes/light_probe.hpp>

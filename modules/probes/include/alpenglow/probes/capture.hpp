@@ -31,7 +31,7 @@ struct Capture {
 [[nodiscard]] glm::vec3 texel_direction(int face, int column, int row, int edge) noexcept;
 
 // Renders six faces and projects them: out holds order * order coefficients of radiance, cd/m^2. Texels count by their
-// exact solid angles.
+// exact solid angles. All coefficients are NaN where a texel is not finite: assemble() keeps such a probe out.
 void capture_probe(const glm::vec3& point_m, int order, const RenderFace& render, std::span<glm::vec3> out);
 
 } // namespace alpenglow::probes

@@ -22,9 +22,8 @@ namespace alpenglow::probes {
 // not finite, scale, azimuth, order.
 [[nodiscard]] Status check(const EnvironmentMap& map);
 
-// Radiance coefficients of a map that has passed check(), in the local frame, not deringed: order * order values.
-// Pixels count by their exact solid angles; the basis is taken at their centres, which at w columns leaves at order n
-// an error of about (n pi / w)^2 / 6 of a coefficient. Error of summation below 1e-12.
+// Radiance coefficients of a map that has passed check(), in the local frame, not deringed: order * order values. Each
+// pixel counts as constant over its own solid angle, and the basis is integrated over it (sh/image.hpp).
 void project_environment(const EnvironmentMap& map, std::span<glm::vec3> out);
 
 // Radiance towards a unit vector, cd/m^2: the background. Bilinear; seamless across u = 0 and held at the poles.
