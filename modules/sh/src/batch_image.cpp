@@ -11,6 +11,8 @@
 
 #include <alpenglow/core/constants.hpp>
 
+#include <hwy/aligned_allocator.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -141,18 +143,18 @@ void cube_kernel(const CubeMap& map, int order, const float* table, std::size_t 
     const auto half = static_cast<std::size_t>((map.size + 1) / 2);
     const auto count = static_cast<std::size_t>(coefficient_count(order));
     const std::size_t plane_floats = half * row_floats;
-    // Blocks of rows small enough for the second-level cache.
-    const std::size_t rows = std::max<std::size_t>(1, 1024 / row_floats);
-    const std::size_t plane = rows * row_floats;
-    std::vector<float> folded(24 * plane);
+    // Blocks of rows small enough for the second-level cache; planes that do not alias in the first.
+    const std::size_t rows = std::clamp<std::size_t>(512 / row_floats, 1, half);
+    const std::size_t plane = rows * row_floats + 16;
+    const hwy::AlignedFreeUniquePtr<float[]> folded = hwy::AllocateAligned<float>(24 * plane);
     std::size_t bad = 0;
     for (int axis = 0; axis < 3; ++axis) {
         for (std::size_t begin = 0; begin < half; begin += rows) {
             const std::size_t end = std::min(half, begin + rows);
             if (half % 16 == 0) {
-                fold_rows(d, map, axis, begin, end, row_floats, folded.data(), plane, bad);
+                fold_rows(d, map, axis, begin, end, row_floats, folded.get(), plane, bad);
             } else {
-                fold_rows(hn::CappedTag<float, 8>(), map, axis, begin, end, row_floats, folded.data(), plane, bad);
+                fold_rows(hn::CappedTag<float, 8>(), map, axis, begin, end, row_floats, folded.get(), plane, bad);
             }
             const std::size_t floats = (end - begin) * row_floats;
             for (int l = 0; l < order; ++l) {
@@ -162,7 +164,7 @@ void cube_kernel(const CubeMap& map, int order, const float* table, std::size_t 
                     const int parity = ((am + (m < 0 ? 1 : 0)) % 2) | (m < 0 ? 2 : 0) | ((l - am) % 2 != 0 ? 4 : 0);
                     const float* weights =
                         table + (static_cast<std::size_t>(axis) * count + i) * plane_floats + begin * row_floats;
-                    const float* values = folded.data() + static_cast<std::size_t>(3 * parity) * plane;
+                    const float* values = folded.get() + static_cast<std::size_t>(3 * parity) * plane;
                     // Float sums of 32 terms, then double.
                     for (std::size_t first = 0; first < floats; first += 32 * lanes()) {
                         const std::size_t last = std::min(floats, first + 32 * lanes());

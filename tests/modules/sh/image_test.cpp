@@ -81,20 +81,20 @@ protected:
 
 TEST_P(Images, CubeMapsOfEverySizeAgreeWithTheStraightforwardLoop) {
     test::Random random(50);
-    for (const int size : {1, 2, 3, 4, 7, 8, 15, 16, 32, 33, 50, 64}) {
+    for (const int size : {1, 2, 3, 7, 8, 16, 33, 50, 64}) {
         for (const int supersampling : {1, 2}) {
             OwnedCube cube(size);
             cube.fill([&](const glm::dvec3& d) { return sky(d) + random.uniform(0.0, 1.0); });
-            for (const int order : {1, 3, 5, 8}) {
+            for (const int order : {3, 8}) {
                 const auto count = static_cast<std::size_t>(coefficient_count(order));
                 std::vector<glm::vec3> out(count);
                 std::vector<glm::dvec3> expected(count);
                 // On odd sizes the middle pixels are split where the axis passes: other points, the same integral.
                 const bool even = size % 2 == 0;
-                ASSERT_TRUE(project(cube.map(), order, std::span<glm::vec3>(out), even ? supersampling : 16));
+                ASSERT_TRUE(project(cube.map(), order, std::span<glm::vec3>(out), even ? supersampling : 5));
                 ASSERT_TRUE(
-                    project_reference(cube.map(), order, std::span<glm::dvec3>(expected), even ? supersampling : 16));
-                EXPECT_LE(worst(out, expected), (even ? 1e-6 : 0.01) * glm::length(expected[0]))
+                    project_reference(cube.map(), order, std::span<glm::dvec3>(expected), even ? supersampling : 5));
+                EXPECT_LE(worst(out, expected), (even ? 1e-6 : 0.02) * glm::length(expected[0]))
                     << "size " << size << " order " << order;
             }
         }
