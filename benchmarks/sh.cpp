@@ -1,8 +1,13 @@
-// Spherical harmonics: scalar reference in double, scalar float, and the batches, by order.
+// Spherical harmonics: the scalar references and the batches on each instruction set, time against error, by order.
 #include "bench.hpp"
 
-#include <alpenglow/sh/basis.hpp>
-#include <alpenglow/sh/rotate.hpp>
+#include <alpenglow/sh/batch.hpp>
+#include <alpenglow/sh/dering_batch.hpp>
+#include <alpenglow/sh/image.hpp>
+#include <alpenglow/sh/irradiance.hpp>
+#include <alpenglow/sh/product.hpp>
+#include <alpenglow/sh/project.hpp>
+#include <alpenglow/sh/zonal.hpp>
 
 #include <algorithm>
 #include <array>
@@ -14,58 +19,478 @@
 namespace alpenglow::bench {
 namespace {
 
-constexpr std::size_t count = 1024;
+using sh::Batch;
+using sh::BatchBuffer;
+using sh::ConstBatch;
 
-std::vector<glm::vec3> random_directions(std::size_t n) {
-    std::mt19937 engine(1);
-    std::normal_distribution<float> normal;
-    std::vector<glm::vec3> directions(n);
-    for (glm::vec3& d : directions) {
-        d = glm::normalize(glm::vec3(normal(engine), normal(engine), normal(engine)));
+constexpr std::size_t count = 256; // one batch: stays in the second-level cache at every order
+
+struct Random {
+    std::mt19937 engine{1};
+    std::normal_distribution<double> gauss;
+    double normal() { return gauss(engine); }
+    double uniform() { return static_cast<double>(engine()) / 4294967296.0; }
+    glm::dvec3 direction() { return glm::normalize(glm::dvec3(normal(), normal(), normal())); }
+    void fill(BatchBuffer& b) {
+        for (std::size_t i = 0; i < b.rows(); ++i) {
+            std::generate_n(b.row(i), b.count(), [this] { return static_cast<float>(normal()); });
+        }
     }
-    return directions;
+    BatchBuffer directions(std::size_t n) {
+        BatchBuffer b(3, n);
+        for (std::size_t k = 0; k < n; ++k) {
+            const glm::vec3 d(direction());
+            b.row(0)[k] = d.x;
+            b.row(1)[k] = d.y;
+            b.row(2)[k] = d.z;
+        }
+        return b;
+    }
+};
+
+std::vector<double> item(const BatchBuffer& b, std::size_t k) {
+    std::vector<double> v(b.rows());
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        v[i] = static_cast<double>(b.row(i)[k]);
+    }
+    return v;
+}
+
+double norm(const std::vector<double>& v) {
+    double sum = 0.0;
+    for (const double x : v) {
+        sum += x * x;
+    }
+    return std::sqrt(sum);
+}
+
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+    std::vector<double> d(a);
+    for (std::size_t i = 0; i < d.size(); ++i) {
+        d[i] -= b[i];
+    }
+    return norm(d);
+}
+
+// Adds a row for each instruction set that the machine has. `error` is evaluated after a run on that set.
+void run_batches(const Context& context, Row row, const std::function<void()>& call,
+                 const std::function<double()>& error) {
+    for (const auto& [target, name] :
+         {std::pair{sh::BatchTarget::sse4, "batch SSE4"}, std::pair{sh::BatchTarget::avx2, "batch AVX2"},
+          std::pair{sh::BatchTarget::avx512, "batch AVX-512"}}) {
+        if (sh::limit_batch_target(target)) {
+            row.method = name;
+            call();
+            row.error = error();
+            context.run(row, call);
+        }
+    }
+    sh::limit_batch_target(sh::BatchTarget::best);
+}
+
+Row make_row(const std::string& name, int order, const std::string& metric) {
+    Row row;
+    row.module = "sh";
+    row.name = name + ", order " + std::to_string(order);
+    row.method = "scalar double";
+    row.error_metric = metric;
+    row.reference = "scalar double";
+    row.items = static_cast<double>(count);
+    return row;
 }
 
 void evaluate_basis(const Context& context) {
-    const std::vector<glm::vec3> directions = random_directions(count);
-    for (const int order : {3, 5, 6}) {
-        double worst = 0.0;
-        for (const glm::vec3& d : directions) {
-            std::array<float, sh::max_coefficients> f{};
-            std::array<double, sh::max_coefficients> y{};
-            sh::evaluate_basis(order, d, f);
-            sh::evaluate_basis(order, glm::dvec3(d), y);
-            for (std::size_t i = 0; i < y.size(); ++i) {
-                worst = std::max(worst, std::abs(static_cast<double>(f[i]) - y[i]));
-            }
-        }
-        Row row;
-        row.module = "sh";
-        row.name = "evaluate basis, order " + std::to_string(order);
-        row.error_metric = "max absolute over 1024 random directions and all coefficients";
-        row.reference = "scalar double";
-        row.items = static_cast<double>(count);
-        row.method = "scalar double";
+    Random random;
+    const BatchBuffer d = random.directions(count);
+    for (const int order : {2, 3, 4, 5, 6}) {
+        BatchBuffer y(static_cast<std::size_t>(order * order), count);
+        Row row = make_row("evaluate basis", order, "max absolute, 256 random directions, all coefficients");
+        const auto direction = [&](std::size_t k) { return glm::vec3(d.row(0)[k], d.row(1)[k], d.row(2)[k]); };
         context.run(row, [&] {
-            std::array<double, sh::max_coefficients> y;
-            for (const glm::vec3& d : directions) {
-                sh::evaluate_basis(order, glm::dvec3(d), y);
-                keep(y);
+            std::array<double, sh::max_coefficients> out;
+            for (std::size_t k = 0; k < count; ++k) {
+                sh::evaluate_basis(order, glm::dvec3(direction(k)), out);
+                keep(out);
             }
         });
+        const auto worst = [&](auto&& value) {
+            double w = 0.0;
+            std::array<double, sh::max_coefficients> expected{};
+            for (std::size_t k = 0; k < count; ++k) {
+                sh::evaluate_basis(order, glm::dvec3(direction(k)), expected);
+                for (std::size_t i = 0; i < y.rows(); ++i) {
+                    w = std::max(w, std::abs(value(k, i) - expected[i]));
+                }
+            }
+            return w;
+        };
         row.method = "scalar float";
-        row.error = worst;
+        row.error = worst([&](std::size_t k, std::size_t i) {
+            std::array<float, sh::max_coefficients> out{};
+            sh::evaluate_basis(order, direction(k), out);
+            return static_cast<double>(out[i]);
+        });
         context.run(row, [&] {
-            std::array<float, sh::max_coefficients> y;
-            for (const glm::vec3& d : directions) {
-                sh::evaluate_basis(order, d, y);
-                keep(y);
+            std::array<float, sh::max_coefficients> out;
+            for (std::size_t k = 0; k < count; ++k) {
+                sh::evaluate_basis(order, direction(k), out);
+                keep(out);
             }
         });
+        run_batches(
+            context, row, [&] { sh::evaluate_basis(order, d, y); },
+            [&] { return worst([&](std::size_t k, std::size_t i) { return static_cast<double>(y.row(i)[k]); }); });
     }
 }
 
-const Case evaluate_basis_case("sh/evaluate-basis", evaluate_basis);
+void evaluate_dot(const Context& context) {
+    Random random;
+    const BatchBuffer d = random.directions(count);
+    for (const int order : {3, 5, 6}) {
+        BatchBuffer f(static_cast<std::size_t>(order * order), count), values(1, count);
+        random.fill(f);
+        const std::vector<double> first = item(f, 0);
+        const std::vector<float> single(first.begin(), first.end());
+        const auto direction = [&](std::size_t k) { return glm::dvec3(d.row(0)[k], d.row(1)[k], d.row(2)[k]); };
+        Row row =
+            make_row("evaluate and dot, one probe", order, "max over 256 random directions, relative to the norm");
+        context.run(row, [&] {
+            for (std::size_t k = 0; k < count; ++k) {
+                keep(sh::evaluate(order, first, direction(k)));
+            }
+        });
+        run_batches(
+            context, row, [&] { sh::evaluate(order, single, d, values); },
+            [&] {
+                double w = 0.0;
+                for (std::size_t k = 0; k < count; ++k) {
+                    w = std::max(
+                        w, std::abs(static_cast<double>(values.row(0)[k]) - sh::evaluate(order, first, direction(k))));
+                }
+                return w / norm(first);
+            });
+        row = make_row("evaluate and dot, own probes", order, "max over 256 random pairs, relative to the norm");
+        context.run(row, [&] {
+            for (std::size_t k = 0; k < count; ++k) {
+                keep(sh::evaluate(order, item(f, k), direction(k)));
+            }
+        });
+        run_batches(
+            context, row, [&] { sh::evaluate(order, f.view(), d.view(), values.view()); },
+            [&] {
+                double w = 0.0;
+                for (std::size_t k = 0; k < count; ++k) {
+                    const std::vector<double> c = item(f, k);
+                    w = std::max(
+                        w, std::abs(static_cast<double>(values.row(0)[k]) - sh::evaluate(order, c, direction(k))) /
+                               norm(c));
+                }
+                return w;
+            });
+    }
+}
+
+void products(const Context& context) {
+    Random random;
+    for (const int order : {2, 3, 4, 5, 6}) {
+        BatchBuffer f(static_cast<std::size_t>(order * order), count), g(f.rows(), count), h(f.rows(), count);
+        random.fill(f);
+        random.fill(g);
+        std::vector<std::vector<double>> fs, gs, expected;
+        for (std::size_t k = 0; k < count; ++k) {
+            fs.push_back(item(f, k));
+            gs.push_back(item(g, k));
+            expected.emplace_back(f.rows());
+            sh::product(order, fs[k], gs[k], expected[k]);
+        }
+        Row row = make_row("product", order, "max L2 over 256 random pairs, relative to the norms");
+        std::vector<double> out(f.rows());
+        context.run(row, [&] {
+            for (std::size_t k = 0; k < count; ++k) {
+                sh::product(order, fs[k], gs[k], out);
+                keep(out.front());
+            }
+        });
+        run_batches(
+            context, row, [&] { sh::product(order, f.view(), g.view(), h.view()); },
+            [&] {
+                double w = 0.0;
+                for (std::size_t k = 0; k < count; ++k) {
+                    w = std::max(w, distance(item(h, k), expected[k]) / (norm(fs[k]) * norm(gs[k])));
+                }
+                return w;
+            });
+    }
+}
+
+void rotations(const Context& context) {
+    Random random;
+    for (const int order : {3, 5, 6}) {
+        BatchBuffer f(static_cast<std::size_t>(order * order), count), g(f.rows(), count), q(4, count), turn(2, count);
+        random.fill(f);
+        random.fill(q);
+        std::vector<std::vector<double>> fs;
+        std::vector<glm::dquat> quaternions;
+        for (std::size_t k = 0; k < count; ++k) {
+            double length = 0.0;
+            for (std::size_t i = 0; i < 4; ++i) {
+                length = std::hypot(length, static_cast<double>(q.row(i)[k]));
+            }
+            // Half of them tiny tilts, 1e-7 to 1e-2 rad.
+            if (k % 2 == 0) {
+                const double tilt = 0.5 * std::pow(10.0, -7.0 + 5.0 * random.uniform());
+                q.row(0)[k] = static_cast<float>(tilt * 0.8);
+                q.row(1)[k] = static_cast<float>(tilt * -0.6);
+                q.row(2)[k] = 0.0F;
+                q.row(3)[k] = static_cast<float>(std::cos(tilt));
+            } else {
+                for (std::size_t i = 0; i < 4; ++i) {
+                    q.row(i)[k] = static_cast<float>(static_cast<double>(q.row(i)[k]) / length);
+                }
+            }
+            const std::vector<double> v = item(q, k);
+            quaternions.emplace_back(v[3], v[0], v[1], v[2]);
+            fs.push_back(item(f, k));
+            turn.row(0)[k] = static_cast<float>(std::cos(static_cast<double>(k)));
+            turn.row(1)[k] = static_cast<float>(std::sin(static_cast<double>(k)));
+        }
+        std::vector<double> out(f.rows());
+        const auto worst = [&](auto&& reference) {
+            double w = 0.0;
+            for (std::size_t k = 0; k < count; ++k) {
+                std::vector<double> expected(f.rows());
+                reference(k, expected);
+                w = std::max(w, distance(item(g, k), expected) / norm(fs[k]));
+            }
+            return w;
+        };
+        const sh::Rotation rotation(order, quaternions[1]);
+        Row row = make_row("rotate, one rotation", order, "max L2 over 256 random vectors, relative to the norm");
+        context.run(row, [&] {
+            for (std::size_t k = 0; k < count; ++k) {
+                rotation.apply(fs[k], out);
+                keep(out.front());
+            }
+        });
+        run_batches(
+            context, row, [&] { sh::rotate(rotation, f, g); },
+            [&] { return worst([&](std::size_t k, std::vector<double>& e) { rotation.apply(fs[k], e); }); });
+        row = make_row("rotate, own rotations", order,
+                       "max L2 over 256 rotations, half of them tilts of 1e-7 .. 1e-2, relative to the norm");
+        context.run(row, [&] {
+            for (std::size_t k = 0; k < count; ++k) {
+                sh::Rotation(order, quaternions[k]).apply(fs[k], out);
+                keep(out.front());
+            }
+        });
+        run_batches(
+            context, row, [&] { sh::rotate(order, q.view(), f.view(), g.view()); },
+            [&] {
+                return worst([&](std::size_t k, std::vector<double>& e) {
+                    sh::Rotation(order, quaternions[k]).apply(fs[k], e);
+                });
+            });
+        row = make_row("rotate about z", order, "max L2 over 256 angles, relative to the norm");
+        context.run(row, [&] {
+            for (std::size_t k = 0; k < count; ++k) {
+                sh::rotate_z(order, static_cast<double>(k), fs[k], out);
+                keep(out.front());
+            }
+        });
+        run_batches(
+            context, row, [&] { sh::rotate_z(order, turn.view(), f.view(), g.view()); },
+            [&] {
+                return worst([&](std::size_t k, std::vector<double>& e) {
+                    sh::rotate_z(order, static_cast<double>(k), fs[k], e);
+                });
+            });
+    }
+}
+
+void cube_maps(const Context& context) {
+    constexpr int size = 64;
+    Random random;
+    std::array<std::vector<float>, 6> pixels;
+    sh::CubeMap map;
+    map.size = size;
+    for (std::size_t face = 0; face < 6; ++face) {
+        pixels[face].resize(static_cast<std::size_t>(3 * size * size));
+        std::generate(pixels[face].begin(), pixels[face].end(), [&] { return static_cast<float>(random.uniform()); });
+        map.faces[face] = pixels[face];
+    }
+    for (const int order : {3, 5}) {
+        std::vector<glm::dvec3> expected(static_cast<std::size_t>(order * order));
+        std::vector<glm::vec3> out(expected.size());
+        Row row = make_row("project a cube map 64^2, RGB, a pixel", order,
+                           "max absolute of a coefficient, relative to the mean's");
+        row.items = 6.0 * size * size;
+        context.run(row,
+                    [&] { static_cast<void>(sh::project_reference(map, order, std::span<glm::dvec3>(expected))); });
+        const sh::CubeProjector projector = *sh::CubeProjector::make(size, order);
+        run_batches(
+            context, row, [&] { static_cast<void>(projector.project(map, out)); },
+            [&] {
+                double w = 0.0;
+                for (std::size_t i = 0; i < out.size(); ++i) {
+                    w = std::max(w, glm::length(glm::dvec3(out[i]) - expected[i]));
+                }
+                return w / glm::length(expected[0]);
+            });
+    }
+}
+
+// Lights that ring: suns over a sky, soft lobes, and near-degenerate ones.
+BatchBuffer ringing_lights(std::size_t n, int channels) {
+    Random random;
+    BatchBuffer b(static_cast<std::size_t>(9 * channels), n);
+    std::array<double, 3> z{};
+    for (std::size_t k = 0; k < n; ++k) {
+        const glm::dvec3 sun = random.direction(), other = random.direction();
+        for (int c = 0; c < channels; ++c) {
+            std::array<double, 9> f{};
+            sh::zonal_hemisphere(3, 1.0, 0.2, z);
+            sh::add_zonal(3, z, glm::dvec3(0.0, 0.0, 1.0), 1.0, f);
+            sh::zonal_delta(3, z);
+            sh::add_zonal(3, z, sun, std::exp(4.0 * random.uniform()), f);
+            sh::zonal_cone(3, 0.2 + 2.0 * random.uniform(), z);
+            sh::add_zonal(3, z, k % 3 == 0 ? -sun : other, 3.0 * random.uniform(), f);
+            for (std::size_t i = 0; i < 9; ++i) {
+                b.row(static_cast<std::size_t>(9 * c) + i)[k] = static_cast<float>(f[i]);
+            }
+        }
+    }
+    return b;
+}
+
+void deringing(const Context& context) {
+    const std::size_t n = context.quick() ? 1024 : 4096;
+    const BatchBuffer in = ringing_lights(n, 1);
+    BatchBuffer out(9, n), factors(2, n);
+    std::vector<sh::DeringOutcome> outcomes(n);
+    const auto run = [&](const sh::DeringOptions& options) {
+        for (std::size_t k = 0; k < n; k += count) {
+            const std::size_t end = std::min(n, k + count);
+            sh::dering(1, in.view().items(k, end), out.view().items(k, end), options, {}, factors.view().items(k, end));
+        }
+    };
+    // The most negative irradiance left, as a fraction of its average.
+    const auto worst = [&] {
+        double w = 0.0;
+        for (std::size_t k = 0; k < n; ++k) {
+            std::vector<double> f = item(out, k);
+            sh::irradiance(3, f, std::span<double>(f));
+            w = std::max(w, -sh::quadratic_minimum(f).value / (0.28209479177387814 * f[0]));
+        }
+        return w;
+    };
+    struct Method {
+        const char* name;
+        sh::DeringMethod method;
+        sh::WindowFamily family;
+    };
+    for (const Method& m : {Method{"paper", sh::DeringMethod::paper, sh::WindowFamily::sloan},
+                            Method{"exact, blend", sh::DeringMethod::exact, sh::WindowFamily::blend},
+                            Method{"exact, gauss", sh::DeringMethod::exact, sh::WindowFamily::gauss},
+                            Method{"exact, table", sh::DeringMethod::exact, sh::WindowFamily::sloan}}) {
+        sh::DeringOptions options;
+        options.method = m.method;
+        options.family = m.family;
+        Row row = make_row(std::string("dering a channel, ") + m.name, 3,
+                           "largest negative irradiance left / average, 4096 lights");
+        row.reference = "exact minimum in double";
+        row.items = static_cast<double>(n);
+        context.run(row, [&] {
+            for (std::size_t k = 0; k < n; ++k) {
+                keep(sh::find_window(3, item(in, k), options).strength);
+            }
+        });
+        run_batches(
+            context, row, [&] { run(options); }, worst);
+    }
+}
+
+// 10^5 probes, all of a frame: the sky seen by each, the sun where it is seen, one window for the three channels.
+void probe_update(const Context& context) {
+    const std::size_t n = context.quick() ? 10'000 : 100'000;
+    Random random;
+    BatchBuffer seen(2, n), probes(27, n); // fractions of sky and sun
+    for (std::size_t k = 0; k < n; ++k) {
+        seen.row(0)[k] = static_cast<float>(0.2 + 0.8 * random.uniform());
+        seen.row(1)[k] = random.uniform() < 0.3 ? 0.0F : static_cast<float>(random.uniform());
+    }
+    std::array<double, 3> z{};
+    std::array<double, 9> sky{}, sun{};
+    sh::zonal_hemisphere(3, 1.0, 0.2, z);
+    sh::add_zonal(3, z, glm::dvec3(0.0, 0.0, 1.0), 1.0, sky);
+    sh::zonal_delta(3, z);
+    sh::add_zonal(3, z, glm::normalize(glm::dvec3(1.0, 2.0, 1.5)), 1.0, sun);
+    const float sky_colour[] = {3000.0F, 5000.0F, 9000.0F}, sun_colour[] = {80000.0F, 75000.0F, 60000.0F};
+    Row row = make_row("update a probe: sky, sun, exact deringing, RGB", 3, "not an approximation");
+    row.reference = "none";
+    row.items = static_cast<double>(n);
+    row.bytes = 29.0 * 4.0;
+    run_batches(
+        context, row,
+        [&] {
+            for (std::size_t begin = 0; begin < n; begin += count) {
+                const std::size_t end = std::min(n, begin + count);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    for (std::size_t i = 0; i < 9; ++i) {
+                        const float a = sky_colour[c] * static_cast<float>(sky[i]);
+                        const float b = sun_colour[c] * static_cast<float>(sun[i]);
+                        float* out = probes.row(9 * c + i);
+                        const float *s = seen.row(0), *t = seen.row(1);
+                        for (std::size_t k = begin; k < end; ++k) {
+                            out[k] = a * s[k] + b * t[k];
+                        }
+                    }
+                }
+                const Batch chunk = probes.view().items(begin, end);
+                sh::dering(3, chunk, chunk);
+            }
+        },
+        [] { return 0.0; });
+}
+
+void blending(const Context& context) {
+    // 1e5 receivers in a grid of 32 x 32 x 8 probes.
+    const std::size_t n = context.quick() ? 10'000 : 100'000;
+    constexpr std::size_t stride = 32;
+    Random random;
+    std::vector<float> probes(32 * 32 * 8 * stride, 1.0F), out(n * stride), weights;
+    std::vector<std::uint32_t> corners;
+    for (std::size_t k = 0; k < n; ++k) {
+        const double x = 30.9 * random.uniform(), y = 30.9 * random.uniform(), h = 6.9 * random.uniform();
+        const auto ix = static_cast<std::uint32_t>(x), iy = static_cast<std::uint32_t>(y),
+                   ih = static_cast<std::uint32_t>(h);
+        for (std::uint32_t c = 0; c < 8; ++c) {
+            corners.push_back(((ih + (c >> 2)) * 32 + iy + (c >> 1 & 1)) * 32 + ix + (c & 1));
+            weights.push_back(static_cast<float>((c & 1 ? x - ix : 1.0 - x + ix) * (c & 2 ? y - iy : 1.0 - y + iy) *
+                                                 (c & 4 ? h - ih : 1.0 - h + ih)));
+        }
+    }
+    Row row = make_row("blend a receiver out of a grid, RGB", 3, "sum of weights, of a constant grid");
+    row.reference = "1";
+    row.items = static_cast<double>(n);
+    run_batches(
+        context, row, [&] { sh::blend(27, probes.data(), stride, corners, weights, out.data()); },
+        [&] {
+            double w = 0.0;
+            for (std::size_t k = 0; k < n; ++k) {
+                w = std::max(w, std::abs(static_cast<double>(out[k * stride + 5]) - 1.0));
+            }
+            return w;
+        });
+}
+
+const Case cases[] = {{"sh/evaluate-basis", evaluate_basis},
+                      {"sh/evaluate-dot", evaluate_dot},
+                      {"sh/product", products},
+                      {"sh/rotate", rotations},
+                      {"sh/cube-map", cube_maps},
+                      {"sh/dering", deringing},
+                      {"sh/probe-update", probe_update},
+                      {"sh/blend", blending}};
 
 } // namespace
 } // namespace alpenglow::bench

@@ -1,16 +1,15 @@
 // Table 1 of Sloan 2017 as a path of windows.
 #pragma once
 
+#include <alpenglow/sh/constants.h>
+
 namespace alpenglow::sh::detail {
 
 // Columns w = inf, 16.7, 11.3, 10, 9, 7, 5.6, and zero; rows l = 1, 2, 3. The printed bands are sinc (not sinc^4, as
 // the text's eq. 6 has it) with an extra attenuation of the linear band from w = 10 on.
-inline constexpr int sloan_columns = 8;
+inline constexpr int sloan_columns = ALPENGLOW_SH_WINDOW_COLUMNS;
 inline constexpr double sloan_table[3][sloan_columns] = {
-    {1.0, 0.9941, 0.9872, 0.9634, 0.9602, 0.9184, 0.8915, 0.0},
-    {1.0, 0.9766, 0.9493, 0.9355, 0.9207, 0.8710, 0.8030, 0.0},
-    {1.0, 0.9478, 0.8880, 0.8584, 0.8270, 0.7241, 0.5904, 0.0},
-};
+    {ALPENGLOW_SH_WINDOW_BAND1}, {ALPENGLOW_SH_WINDOW_BAND2}, {ALPENGLOW_SH_WINDOW_BAND3}};
 
 // Bands 1 and 2 from the table's end: the factor at u columns from the end, and its rise to the next.
 struct SloanRows {

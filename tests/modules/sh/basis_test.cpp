@@ -1,6 +1,8 @@
 #include "support.hpp"
 
 #include <alpenglow/core/constants.hpp>
+#include <alpenglow/sh/constants.h>
+#include <alpenglow/sh/irradiance.hpp>
 #include <alpenglow/sh/project.hpp>
 
 #include <array>
@@ -122,6 +124,51 @@ TEST(Basis, EvaluateIsTheDotProductForAllTypes) {
     EXPECT_NEAR(evaluate(6, test::to_float(c), glm::vec3(d)), expected, 1e-5);
     const glm::vec3 value = evaluate(6, std::span<const glm::vec3>(rgb), glm::vec3(d));
     EXPECT_NEAR(value.y, -2.0 * expected, 2e-5);
+}
+
+// What shaders compute from constants.h.
+TEST(Basis, ConstantsForShadersAreTheBasis) {
+    test::Random random(70);
+    for (int i = 0; i < 20; ++i) {
+        const glm::dvec3 d = random.direction();
+        const double x = d.x, y = d.y, z = d.z, z2 = z * z;
+        const double c2 = x * x - y * y, s2 = 2.0 * x * y, c3 = x * c2 - y * s2, s3 = y * c2 + x * s2;
+        const double c4 = x * c3 - y * s3, s4 = y * c3 + x * s3;
+        const double by_constants[25] = {ALPENGLOW_SH_K0,
+                                         -ALPENGLOW_SH_K1 * y,
+                                         ALPENGLOW_SH_K1 * z,
+                                         -ALPENGLOW_SH_K1 * x,
+                                         ALPENGLOW_SH_K2_2 * x * y,
+                                         -ALPENGLOW_SH_K2_1 * y * z,
+                                         ALPENGLOW_SH_K2_0 * (3.0 * z2 - 1.0),
+                                         -ALPENGLOW_SH_K2_1 * x * z,
+                                         ALPENGLOW_SH_K2_2C * c2,
+                                         -ALPENGLOW_SH_K3_3 * s3,
+                                         ALPENGLOW_SH_K3_2 * z * s2,
+                                         -ALPENGLOW_SH_K3_1 * (5.0 * z2 - 1.0) * y,
+                                         ALPENGLOW_SH_K3_0 * z * (5.0 * z2 - 3.0),
+                                         -ALPENGLOW_SH_K3_1 * (5.0 * z2 - 1.0) * x,
+                                         ALPENGLOW_SH_K3_2 * z * c2,
+                                         -ALPENGLOW_SH_K3_3 * c3,
+                                         ALPENGLOW_SH_K4_4 * s4,
+                                         -ALPENGLOW_SH_K4_3 * z * s3,
+                                         ALPENGLOW_SH_K4_2 * (7.0 * z2 - 1.0) * s2,
+                                         -ALPENGLOW_SH_K4_1 * z * (7.0 * z2 - 3.0) * y,
+                                         ALPENGLOW_SH_K4_0 * (35.0 * z2 * z2 - 30.0 * z2 + 3.0),
+                                         -ALPENGLOW_SH_K4_1 * z * (7.0 * z2 - 3.0) * x,
+                                         ALPENGLOW_SH_K4_2 * (7.0 * z2 - 1.0) * c2,
+                                         -ALPENGLOW_SH_K4_3 * z * c3,
+                                         ALPENGLOW_SH_K4_4 * c4};
+        std::array<double, 25> basis{};
+        evaluate_basis(5, d, basis);
+        for (std::size_t k = 0; k < 25; ++k) {
+            EXPECT_NEAR(by_constants[k], basis[k], 1e-14) << k;
+        }
+    }
+    const double cosine[] = {ALPENGLOW_SH_A0, ALPENGLOW_SH_A1, ALPENGLOW_SH_A2, ALPENGLOW_SH_A3, ALPENGLOW_SH_A4};
+    for (int l = 0; l < 5; ++l) {
+        EXPECT_NEAR(cosine[l], cosine_factor(l), 1e-15);
+    }
 }
 
 } // namespace
