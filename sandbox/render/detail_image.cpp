@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace alpenglow::sandbox {
 namespace {
@@ -49,6 +50,8 @@ std::vector<std::byte> detail_texels() {
         add_octave(noise, cells, amplitude);
         amplitude *= 0.7F;
     }
+    // A lattice of few cells does not average out by itself.
+    const float mean = std::accumulate(noise.begin(), noise.end(), 0.0F) / static_cast<float>(noise.size());
     std::vector<std::byte> texels;
     texels.reserve(4 * noise.size());
     for (std::uint32_t y = 0; y < n; ++y) {
@@ -57,7 +60,7 @@ std::vector<std::byte> detail_texels() {
             // Central differences, scaled so that three quarters of the range are used.
             texels.push_back(unorm(0.5F + 0.6F * (at(x + 1, y) - at(x + n - 1, y))));
             texels.push_back(unorm(0.5F + 0.6F * (at(x, y + 1) - at(x, y + n - 1))));
-            texels.push_back(unorm(0.5F + 0.4F * at(x, y)));
+            texels.push_back(unorm(0.5F + 0.4F * (at(x, y) - mean)));
             texels.push_back(std::byte{255});
         }
     }

@@ -63,7 +63,7 @@ SkyExtract extract_sky(const FrameData& frame) {
     std::uint32_t i = SkyDome::azimuths / 2;
     for (std::size_t entry = 0; entry < extract.horizon.size(); ++entry) {
         const float wanted = 2.0F * std::asin(static_cast<float>(entry) / 16.0F);
-        while (i + 2 < SkyDome::azimuths && sky_azimuth_from_sun(i + 1) < wanted) {
+        while (i + 1 < SkyDome::azimuths && sky_azimuth_from_sun(i + 1) < wanted) {
             ++i;
         }
         const float from = sky_azimuth_from_sun(i);
@@ -105,9 +105,9 @@ bool moon_is_key(const FrameData& frame) {
 }
 
 glm::mat4 shadow_from_relative(const FrameData& frame, std::uint32_t size_px) {
-    constexpr float kHalfWidth = 250.0F; // metres around the middle
+    constexpr float kHalfWidth = 160.0F; // metres around the middle
     constexpr float kHalfDepth = 1000.0F;
-    constexpr float kAhead = 150.0F;
+    constexpr float kAhead = 100.0F;
     const glm::vec3 key = moon_is_key(frame) ? frame.to_moon : frame.to_sun;
     const glm::vec3 aside = std::abs(key.z) < 0.999F ? glm::vec3(0.0F, 0.0F, 1.0F) : glm::vec3(0.0F, 1.0F, 0.0F);
     const glm::vec3 right = glm::normalize(glm::cross(aside, key));

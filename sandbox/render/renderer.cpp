@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cstring>
 
+#include <alpenglow/vulkan/mip_chain.hpp>
 #include <alpenglow/vulkan/transfer.hpp>
 
 #include "sandbox/render/detail_image.hpp"
@@ -185,17 +186,17 @@ Status Renderer::upload_world(const WorldData& world) {
 Status Renderer::upload_terrain_images(const WorldData& world) {
     const auto upload = [&](std::uint32_t size, const std::vector<std::byte>& texels, VkSampler sampler,
                             VkDescriptorSet set, std::optional<vulkan::Image>& image) -> Status {
-        Result<vulkan::Image> created = vulkan::Image::create(
-            device_, {VK_FORMAT_R8G8B8A8_UNORM,
-                      {size, size},
-                      VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                      static_cast<std::uint32_t>(std::bit_width(size))});
+        Result<vulkan::Image> created =
+            vulkan::Image::create(device_, {VK_FORMAT_R8G8B8A8_UNORM,
+                                            {size, size},
+                                            VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                                            vulkan::mip_level_count({size, size})});
         if (!created) {
             return created.error();
         }
         image = std::move(created).value();
         vulkan::write_image_descriptor(device_, set, 0, image->view(), sampler);
-        return vulkan::upload_image(device_, *image, texels);
+        return vulkan::upload_image(device_, *image, vulkan::make_mip_chain(texels, {size, size}));
     };
     Status status = upload(kDetailSize, detail_texels(), detail_sampler_.get(), detail_set_, detail_image_);
     for (std::size_t i = 0; status && i < terrain_grids_.size(); ++i) {

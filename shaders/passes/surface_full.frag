@@ -17,10 +17,15 @@ layout(location = 2) in vec4 albedo;
 layout(location = 3) in vec4 place;
 layout(location = 0) out vec4 target;
 
-// Fraction of the key light that objects let through: 16 compares over a penumbra's width (4 x 4 bilinear taps).
+// Fraction of the key light that objects let through: the mean of 16 bilinear compares, 4 texels across.
 float shadow(vec3 at_m, vec3 n) {
-    // Off the surface by about a texel, so that it does not shade itself.
-    vec4 clip = frame.shadow_from_relative * vec4(at_m + 0.25 * n, 1.0);
+    // Off the surface by the width of the filter, as far as the surface leans away from the light, so that it does not
+    // shade itself. Rows of the matrix give the width of a texel.
+    float cosine = dot(n, frame.key.xyz);
+    vec3 across = vec3(frame.shadow_from_relative[0].x, frame.shadow_from_relative[1].x, frame.shadow_from_relative[2].x);
+    float texel_m = 2.0 / (length(across) * float(textureSize(shadow_map, 0).x));
+    float off_m = texel_m * (0.5 + 3.0 * sqrt(max(1.0 - cosine * cosine, 0.0)));
+    vec4 clip = frame.shadow_from_relative * vec4(at_m + off_m * n, 1.0);
     vec2 uv = 0.5 * clip.xy + 0.5;
     if (any(lessThan(uv, vec2(0.0))) || any(greaterThan(uv, vec2(1.0)))) {
         return 1.0;
@@ -37,8 +42,8 @@ float shadow(vec3 at_m, vec3 n) {
 
 // Three sizes of the detail's tile; each fades out where it would be finer than a pixel, by its mip levels.
 vec3 detail_at(vec2 world_m) {
-    return texture(detail_image, world_m / 12.0).rgb + texture(detail_image, world_m / 160.0).rgb +
-           texture(detail_image, world_m / 2500.0).rgb - 1.0;
+    return texture(detail_image, world_m / 12.0).rgb + texture(detail_image, world_m / 180.0).rgb +
+           texture(detail_image, world_m / 3600.0).rgb - 1.0;
 }
 
 void main() {

@@ -1,4 +1,5 @@
-// The terrain's grid as an image, a texel a vertex of the finest terrain: rg: x and y of the normal, (n + 1) / 2; b: square
+// The terrain's grid as an image, a texel a vertex of the finest terrain: rg: x and y of the normal as signed bytes
+// plus 128; b: square
 // root of the albedo's luminance; a: sky visibility. The triangles may be much coarser.
 const vec3 luminance_weights = vec3(0.2126, 0.7152, 0.0722);
 
@@ -10,7 +11,7 @@ struct Ground {
 
 Ground ground_from_texel(vec4 texel) {
     Ground g;
-    vec2 xy = 2.0 * texel.rg - 1.0;
+    vec2 xy = (255.0 * texel.rg - 128.0) / 127.0;
     g.normal = vec3(xy, sqrt(max(1.0 - dot(xy, xy), 0.0)));
     g.luminance = texel.b * texel.b;
     g.ambient = texel.a;

@@ -1,17 +1,13 @@
 #include <alpenglow/vulkan/transfer.hpp>
 
-#include <algorithm>
 #include <cassert>
 #include <cstring>
 
 #include <alpenglow/vulkan/error.hpp>
+#include <alpenglow/vulkan/mip_chain.hpp>
 
 namespace alpenglow::vulkan {
-namespace {
-
-// Layout change of some mip levels inside a transfer.
-void record_level_barrier(VkCommandBuffer commands, VkImage image, std::uint32_t first, std::uint32_t count,
-                          const ImageBarrier& barrier, VkImageAspectFlags aspect) {
+void record_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, const ImageBarrier& barrier) {
     VkImageMemoryBarrier info{};
     info.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
     info.srcAccessMask = barrier.after_access;
@@ -21,36 +17,8 @@ void record_level_barrier(VkCommandBuffer commands, VkImage image, std::uint32_t
     info.srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     info.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     info.image = image;
-    info.subresourceRange = {aspect, first, count, 0, 1};
+    info.subresourceRange = {aspect, 0, VK_REMAINING_MIP_LEVELS, 0, 1};
     vkCmdPipelineBarrier(commands, barrier.after_stage, barrier.before_stage, 0, 0, nullptr, 0, nullptr, 1, &info);
-}
-
-VkOffset3D corner(VkExtent2D extent, std::uint32_t level) {
-    return {static_cast<std::int32_t>(std::max(extent.width >> level, 1U)),
-            static_cast<std::int32_t>(std::max(extent.height >> level, 1U)), 1};
-}
-
-void record_mip_chain(VkCommandBuffer commands, const Image& image) {
-    for (std::uint32_t level = 1; level < image.mip_levels(); ++level) {
-        record_level_barrier(commands, image.get(), level - 1, 1,
-                             {VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                              VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
-                              VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT},
-                             image.aspect());
-        VkImageBlit blit{};
-        blit.srcSubresource = {image.aspect(), level - 1, 0, 1};
-        blit.srcOffsets[1] = corner(image.extent(), level - 1);
-        blit.dstSubresource = {image.aspect(), level, 0, 1};
-        blit.dstOffsets[1] = corner(image.extent(), level);
-        vkCmdBlitImage(commands, image.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.get(),
-                       VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_LINEAR);
-    }
-}
-
-} // namespace
-
-void record_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, const ImageBarrier& barrier) {
-    record_level_barrier(commands, image, 0, VK_REMAINING_MIP_LEVELS, barrier, aspect);
 }
 
 void record_host_read_barrier(VkCommandBuffer commands) {
@@ -128,8 +96,18 @@ Status upload_buffer(const Device& device, const Buffer& buffer, std::span<const
 }
 
 Status upload_image(const Device& device, const Image& image, std::span<const std::byte> bytes) {
-    const VkExtent2D extent = image.extent();
-    assert(bytes.size() == std::size_t{extent.width} * extent.height * texel_bytes(image.format()));
+    std::vector<VkBufferImageCopy> copies;
+    std::size_t offset = 0;
+    for (std::uint32_t level = 0; level < image.mip_levels(); ++level) {
+        const VkExtent2D extent = mip_extent(image.extent(), level);
+        VkBufferImageCopy copy{};
+        copy.bufferOffset = offset;
+        copy.imageSubresource = {image.aspect(), level, 0, 1};
+        copy.imageExtent = {extent.width, extent.height, 1};
+        copies.push_back(copy);
+        offset += std::size_t{extent.width} * extent.height * texel_bytes(image.format());
+    }
+    assert(bytes.size() == offset);
     Result<Buffer> staging = Buffer::create(device, bytes.size(), 0, Placement::upload);
     if (!staging) {
         return staging.error();
@@ -140,26 +118,13 @@ Status upload_image(const Device& device, const Image& image, std::span<const st
                        {VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                         VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, 0, VK_PIPELINE_STAGE_TRANSFER_BIT,
                         VK_ACCESS_TRANSFER_WRITE_BIT});
-        VkBufferImageCopy copy{};
-        copy.imageSubresource = {image.aspect(), 0, 0, 1};
-        copy.imageExtent = {extent.width, extent.height, 1};
-        vkCmdCopyBufferToImage(commands, staging->get(), image.get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
-        record_mip_chain(commands, image);
-        const std::uint32_t last = image.mip_levels() - 1;
-        const VkPipelineStageFlags readers =
-            VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
-        if (last > 0) {
-            record_level_barrier(commands, image.get(), 0, last,
-                                 {VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-                                  VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT, readers,
-                                  VK_ACCESS_SHADER_READ_BIT},
-                                 image.aspect());
-        }
-        record_level_barrier(commands, image.get(), last, 1,
-                             {VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-                              VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, readers,
-                              VK_ACCESS_SHADER_READ_BIT},
-                             image.aspect());
+        vkCmdCopyBufferToImage(commands, staging->get(), image.get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                               static_cast<std::uint32_t>(copies.size()), copies.data());
+        record_barrier(commands, image.get(), image.aspect(),
+                       {VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                        VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                        VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+                        VK_ACCESS_SHADER_READ_BIT});
     });
 }
 

@@ -1,4 +1,4 @@
-#include "gpu.hpp"
+#include "gpu_test.hpp"
 
 #include <array>
 #include <bit>

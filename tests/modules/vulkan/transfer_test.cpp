@@ -1,11 +1,13 @@
-#include "gpu.hpp"
+#include "gpu_test.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <random>
 
 #include <alpenglow/vulkan/buffer.hpp>
 #include <alpenglow/vulkan/image.hpp>
+#include <alpenglow/vulkan/mip_chain.hpp>
 #include <alpenglow/vulkan/transfer.hpp>
 
 namespace alpenglow::vulkan {
@@ -63,14 +65,48 @@ TEST_F(TransferTest, ImageRoundTripOfAnOddSize) {
     }
 }
 
-TEST_F(TransferTest, MipChainIsBuiltWithoutHazards) {
+TEST_F(TransferTest, ImageWithMipLevels) {
+    const VkExtent2D extent{64, 16};
     const Result<Image> image = Image::create(
-        *device, {VK_FORMAT_R8G8B8A8_UNORM,
-                  {64, 16},
-                  VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                  7});
+        *device, {VK_FORMAT_R8G8B8A8_UNORM, extent, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, 7});
     ASSERT_TRUE(image);
-    EXPECT_TRUE(upload_image(*device, *image, random_bytes(64 * 16 * 4)));
+    EXPECT_TRUE(upload_image(*device, *image, make_mip_chain(random_bytes(64 * 16 * 4), extent)));
+}
+
+// Every level has the image's mean within half a step plus what rounding its texels may add up to, also for sizes that
+// do not halve.
+TEST(MipChainTest, KeepsTheMean) {
+    for (const VkExtent2D extent : {VkExtent2D{64, 64}, VkExtent2D{33, 17}, VkExtent2D{1, 9}, VkExtent2D{1, 1}}) {
+        const std::vector<std::byte> texels = random_bytes(std::size_t{extent.width} * extent.height * 4);
+        const std::vector<std::byte> chain = make_mip_chain(texels, extent);
+        std::size_t offset = 0;
+        std::array<double, 4> mean_of_all{};
+        for (std::uint32_t level = 0; level < mip_level_count(extent); ++level) {
+            const VkExtent2D size = mip_extent(extent, level);
+            const std::size_t count = std::size_t{size.width} * size.height;
+            for (std::size_t channel = 0; channel < 4; ++channel) {
+                double sum = 0.0;
+                for (std::size_t i = 0; i < count; ++i) {
+                    sum += std::to_integer<int>(chain[offset + 4 * i + channel]);
+                }
+                const double mean = sum / static_cast<double>(count);
+                if (level == 0) {
+                    mean_of_all[channel] = mean;
+                }
+                EXPECT_NEAR(mean, mean_of_all[channel], 0.501);
+            }
+            offset += 4 * count;
+        }
+        EXPECT_EQ(offset, chain.size());
+        EXPECT_TRUE(std::equal(texels.begin(), texels.end(), chain.begin()));
+    }
+}
+
+TEST(MipChainTest, ConstantStaysConstant) {
+    const std::vector<std::byte> texels(std::size_t{4} * 45 * 7, std::byte{127});
+    for (const std::byte b : make_mip_chain(texels, {45, 7})) {
+        ASSERT_EQ(b, std::byte{127});
+    }
 }
 
 } // namespace

@@ -104,8 +104,8 @@ TEST(TerrainTexelsTest, DecodeToNormalsAndLuminance) {
             return static_cast<float>(std::to_integer<int>(texels[4 * i + k])) / 255.0F;
         };
         const glm::vec3 normal = unpack_normal(vertices[i].normal);
-        EXPECT_NEAR(2.0F * channel(0) - 1.0F, normal.x, 0.006F);
-        EXPECT_NEAR(2.0F * channel(1) - 1.0F, normal.y, 0.006F);
+        EXPECT_NEAR((255.0F * channel(0) - 128.0F) / 127.0F, normal.x, 1e-5F);
+        EXPECT_NEAR((255.0F * channel(1) - 128.0F) / 127.0F, normal.y, 1e-5F);
         const float luminance = glm::dot(unpack_albedo(vertices[i].albedo), glm::vec3(0.2126F, 0.7152F, 0.0722F));
         EXPECT_NEAR(channel(2) * channel(2), luminance, 0.005F);
         EXPECT_FLOAT_EQ(channel(3), static_cast<float>(vertices[i].albedo >> 24U) / 255.0F);
@@ -142,7 +142,7 @@ TEST(DetailTest, IsNeutralAndRepeats) {
             inner += std::abs(at(200, y, k) - at(201, y, k));
             border += std::abs(at(kDetailSize - 1, y, k) - at(0, y, k));
         }
-        EXPECT_NEAR(sum / (double{kDetailSize} * kDetailSize), 127.5, 4.0);
+        EXPECT_NEAR(sum / (double{kDetailSize} * kDetailSize), 127.5, 0.6);
         EXPECT_LT(border, 2.0 * inner);
     }
 }

@@ -34,8 +34,8 @@ Status submit_and_wait(const Device& device, const std::function<void(VkCommandB
 Status upload_buffer(const Device& device, const Buffer& buffer, std::span<const std::byte> bytes,
                      VkDeviceSize offset_bytes = 0);
 
-// Fills mip level 0 row by row, derives the further levels by 2x2 box filter (the format must then support linear
-// blits), and leaves the image in VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL. The image must allow transfers both ways.
+// Fills all mip levels, level 0 first, each row by row and tightly packed, and leaves the image in
+// VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL. The image must be a transfer destination.
 Status upload_image(const Device& device, const Image& image, std::span<const std::byte> bytes);
 
 // The buffer's bytes; it must be a transfer source where it is not mapped.
