@@ -19,7 +19,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 constexpr std::size_t lanes = hn::MaxLanes(D());
-constexpr int vectors_in_flight = 4; // hides the latency of the multiply-adds: 12 sums for three channels
 
 HWY_INLINE V load(const float* from) {
     return hn::Load(D(), from);
@@ -32,31 +31,56 @@ HWY_INLINE V load(const std::int8_t* from) {
     return hn::ConvertTo(D(), hn::PromoteTo(integers, hn::Load(hn::Rebind<std::int8_t, D>(), from)));
 }
 
-// Sums of `tile` registers of points from lane `lane` on. Block b's coefficient i stands at from + (b * width + i)
-// * 16. light is [3][coefficients]; with three channels channel c's vectors follow `coefficients_stored` later.
-template <int tile, bool colour, class T>
-HWY_INLINE void sums(const T* HWY_RESTRICT from, std::size_t width, std::size_t coefficients, std::size_t stored,
-                     const float* HWY_RESTRICT light, std::size_t lane, V (&r)[tile], V (&g)[tile], V (&b)[tile]) {
+// One block of 16 points is read from front to back, a single stream that the hardware's prefetcher follows, in
+// `groups` registers; `chains` coefficients at a time hide the latency of the multiply-adds: 12 sums in flight.
+constexpr std::size_t groups = lanes >= block_points ? 1 : lanes * 4 >= block_points ? block_points / lanes : 4;
+constexpr std::size_t chains = 4 / groups;
+
+// light is [3][coefficients]; with three channels channel c's vectors follow `stored` coefficients later.
+template <bool colour, class T>
+HWY_INLINE void sums(const T* HWY_RESTRICT from, std::size_t coefficients, std::size_t stored,
+                     const float* HWY_RESTRICT light, V (&r)[groups], V (&g)[groups], V (&b)[groups]) {
     const D d;
-    const T* at[tile];
-    for (int t = 0; t < tile; ++t) {
-        const std::size_t point = lane + static_cast<std::size_t>(t) * lanes;
-        at[t] = from + point / block_points * width * block_points + point % block_points;
-        r[t] = hn::Zero(d);
-        g[t] = hn::Zero(d);
-        b[t] = hn::Zero(d);
+    V sr[groups][chains];
+    V sg[groups][chains];
+    V sb[groups][chains];
+    for (std::size_t t = 0; t < groups; ++t) {
+        for (std::size_t c = 0; c < chains; ++c) {
+            sr[t][c] = hn::Zero(d);
+            sg[t][c] = hn::Zero(d);
+            sb[t][c] = hn::Zero(d);
+        }
     }
-    for (std::size_t i = 0; i < coefficients; ++i) {
+    const auto add = [&](std::size_t i, std::size_t c) HWY_ATTR {
         const V lr = hn::Set(d, light[i]);
         const V lg = hn::Set(d, light[coefficients + i]);
         const V lb = hn::Set(d, light[2 * coefficients + i]);
-        for (int t = 0; t < tile; ++t) {
-            const T* m = at[t] + i * block_points;
+        for (std::size_t t = 0; t < groups; ++t) {
+            const T* m = from + i * block_points + t * lanes;
             const V m0 = load(m);
-            r[t] = hn::MulAdd(m0, lr, r[t]);
-            g[t] = hn::MulAdd(colour ? load(m + stored * block_points) : m0, lg, g[t]);
-            b[t] = hn::MulAdd(colour ? load(m + 2 * stored * block_points) : m0, lb, b[t]);
+            sr[t][c] = hn::MulAdd(m0, lr, sr[t][c]);
+            sg[t][c] = hn::MulAdd(colour ? load(m + stored * block_points) : m0, lg, sg[t][c]);
+            sb[t][c] = hn::MulAdd(colour ? load(m + 2 * stored * block_points) : m0, lb, sb[t][c]);
         }
+    };
+    std::size_t i = 0;
+    for (; i + chains <= coefficients; i += chains) {
+        for (std::size_t c = 0; c < chains; ++c) {
+            add(i + c, c);
+        }
+    }
+    for (; i < coefficients; ++i) {
+        add(i, 0);
+    }
+    for (std::size_t t = 0; t < groups; ++t) {
+        for (std::size_t c = 1; c < chains; ++c) {
+            sr[t][0] = hn::Add(sr[t][0], sr[t][c]);
+            sg[t][0] = hn::Add(sg[t][0], sg[t][c]);
+            sb[t][0] = hn::Add(sb[t][0], sb[t][c]);
+        }
+        r[t] = sr[t][0];
+        g[t] = sg[t][0];
+        b[t] = sb[t][0];
     }
 }
 
@@ -64,32 +88,24 @@ template <bool colour, class T>
 void vectors(const T* HWY_RESTRICT from, std::size_t width, std::size_t coefficients, std::size_t stored,
              const float* HWY_RESTRICT light, std::size_t first, std::size_t last, std::size_t count, float* out) {
     const D d;
-    const auto store = [&](V r, V g, V b, std::size_t point) {
-        if (point + lanes <= count) {
-            hn::StoreInterleaved3(r, g, b, d, out + 3 * point);
+    constexpr std::size_t step = groups * lanes;
+    V r[groups];
+    V g[groups];
+    V b[groups];
+    for (std::size_t point = first; point < last; point += step) {
+        const T* at = from + point / block_points * width * block_points + point % block_points;
+        sums<colour>(at, coefficients, stored, light, r, g, b);
+        if (point + step <= count) {
+            for (std::size_t t = 0; t < groups; ++t) {
+                hn::StoreInterleaved3(r[t], g[t], b[t], d, out + 3 * (point + t * lanes));
+            }
         } else if (point < count) {
-            HWY_ALIGN float rest[3 * lanes];
-            hn::StoreInterleaved3(r, g, b, d, rest);
+            HWY_ALIGN float rest[3 * step];
+            for (std::size_t t = 0; t < groups; ++t) {
+                hn::StoreInterleaved3(r[t], g[t], b[t], d, rest + 3 * t * lanes);
+            }
             std::memcpy(out + 3 * point, rest, 3 * (count - point) * sizeof(float));
         }
-    };
-    std::size_t point = first;
-    constexpr std::size_t step = vectors_in_flight * lanes;
-    V r[vectors_in_flight];
-    V g[vectors_in_flight];
-    V b[vectors_in_flight];
-    for (; point + step <= last; point += step) {
-        sums<vectors_in_flight, colour>(from, width, coefficients, stored, light, point, r, g, b);
-        for (std::size_t t = 0; t < vectors_in_flight; ++t) {
-            store(r[t], g[t], b[t], point + t * lanes);
-        }
-    }
-    for (; point < last; point += lanes) {
-        V r1[1];
-        V g1[1];
-        V b1[1];
-        sums<1, colour>(from, width, coefficients, stored, light, point, r1, g1, b1);
-        store(r1[0], g1[0], b1[0], point);
     }
 }
 

@@ -7,7 +7,6 @@
 #include "settings.hpp"
 #include "ticker.hpp"
 
-
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/core/parallel_for.hpp>
 #include <alpenglow/core/timing.hpp>
@@ -234,6 +233,7 @@ Result<BakePart> trace_part(const std::vector<Point>& points, const Tracer& trac
         std::uint64_t gather_rays = 0;
         std::size_t inside = 0;
         double cpu_s = 0.0;
+        double tracing_s = 0.0;
     };
     std::vector<Chunk> chunks((count + grain - 1) / grain);
     std::atomic<std::size_t> hit_bytes{0};
@@ -264,6 +264,7 @@ Result<BakePart> trace_part(const std::vector<Point>& points, const Tracer& trac
                 part.visibility[k] = static_cast<float>(result.visibility);
                 part.variance[k] = static_cast<float>(result.variance);
                 chunk.shadow_rays += result.rays;
+                chunk.tracing_s += result.tracing_s;
                 if (bounces && result.visibility < 1.0) {
                     std::size_t backs = 0;
                     part.hit_counts[k] = tracer.gather(point, i, chunk.hits, backs, scratch);
@@ -297,6 +298,7 @@ Result<BakePart> trace_part(const std::vector<Point>& points, const Tracer& trac
         part.gather_rays += chunk.gather_rays;
         part.inside_points += chunk.inside;
         part.cpu_s += chunk.cpu_s;
+        part.tracing_cpu_s += chunk.tracing_s;
     }
     if (!dropped.load()) {
         part.hits.reserve(hits);
@@ -471,6 +473,7 @@ Result<Bake> join(const Mesh& mesh, const BakeSettings& settings, const MeshRepo
     report.gather_rays = part.gather_rays;
     report.inside_points = part.inside_points;
     report.rays_cpu_s = part.cpu_s;
+    report.tracing_cpu_s = part.tracing_cpu_s;
 
     TransferField& field = result.field;
     field.kind = TransferKind::mesh;
@@ -642,6 +645,7 @@ Result<Bake> finish(const Mesh& mesh, const BakeSettings& settings, std::vector<
         all.gather_rays += part.gather_rays;
         all.inside_points += part.inside_points;
         all.cpu_s += part.cpu_s;
+        all.tracing_cpu_s += part.tracing_cpu_s;
         append(all.direct, part.direct);
         append(all.visibility, part.visibility);
         append(all.variance, part.variance);
@@ -790,13 +794,13 @@ std::string BakeReport::text() const {
                   "rays per CPU second    %.3g\n"
                   "estimated RMS error    %.3g\n"
                   "white furnace          mean %.4f, worst %.4f\n"
-                  "CPU seconds            %.2f rays, %.2f bounces\n"
+                  "CPU seconds            %.2f rays (%.2f shadow rays in the tracer), %.2f bounces\n"
                   "wall seconds           %.2f\n"
                   "bounces                %zu",
                   mesh.vertices, mesh.triangles, mesh.degenerate_triangles, mesh.isolated_vertices, mesh.bad_normals,
                   points, dark_points, inside_points, static_cast<unsigned long long>(shadow_rays),
                   static_cast<unsigned long long>(gather_rays), rate, estimated_rms, furnace_mean, furnace_worst,
-                  rays_cpu_s, bounces_cpu_s, wall_s, bounce_energy.size());
+                  rays_cpu_s, tracing_cpu_s, bounces_cpu_s, wall_s, bounce_energy.size());
     std::string out(buffer.data());
     for (std::size_t b = 0; b < bounce_energy.size(); ++b) {
         std::snprintf(buffer.data(), buffer.size(), "%s%.3g", b == 0 ? ", energy " : ", ", bounce_energy[b]);

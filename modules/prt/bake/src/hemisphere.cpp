@@ -3,6 +3,7 @@
 #include "directions.hpp"
 
 #include <alpenglow/core/constants.hpp>
+#include <alpenglow/core/timing.hpp>
 #include <alpenglow/sh/basis.hpp>
 
 #include <algorithm>
@@ -19,6 +20,24 @@ using Bitmap = std::array<std::uint64_t, finest>; // row by row, bit = column
 void add(CoefficientRow& sum, const CoefficientRow& row) noexcept {
     for (std::size_t i = 0; i < row_floats; ++i) {
         sum.values[i] += row.values[i];
+    }
+}
+
+// out = frame * in.
+void turn(const glm::mat3& frame, const DirectionList& in, DirectionList& out) {
+    const std::size_t count = in.size();
+    out.resize(count);
+    const float* x = in.x.data();
+    const float* y = in.y.data();
+    const float* z = in.z.data();
+    for (glm::length_t c = 0; c < 3; ++c) {
+        float* to = (c == 0 ? out.x : c == 1 ? out.y : out.z).data();
+        const float a = frame[0][c];
+        const float b = frame[1][c];
+        const float d = frame[2][c];
+        for (std::size_t i = 0; i < count; ++i) {
+            to[i] = a * x[i] + b * y[i] + d * z[i];
+        }
     }
 }
 
@@ -69,7 +88,7 @@ Hemisphere::Hemisphere(const BakeSettings& settings)
     if (sampling_ == Sampling::fibonacci) {
         for (const glm::dvec3& d : fibonacci_hemisphere(rays_)) {
             sh::evaluate_basis(order_, d, y);
-            directions_.emplace_back(d);
+            directions_.push_back(glm::vec3(d));
             CoefficientRow& row = rows_.emplace_back();
             for (std::size_t i = 0; i < coefficients_; ++i) {
                 row.values[i] = static_cast<float>(y[i]);
@@ -102,9 +121,9 @@ Hemisphere::Hemisphere(const BakeSettings& settings)
             Level level;
             level.size = size;
             for (std::size_t cell = 0; cell < size * size; ++cell) {
-                level.directions.emplace_back(
-                    cosine_direction((static_cast<double>(cell % size) + 0.5) / static_cast<double>(size),
-                                     (static_cast<double>(cell / size) + 0.5) / static_cast<double>(size)));
+                level.directions.push_back(
+                    glm::vec3(cosine_direction((static_cast<double>(cell % size) + 0.5) / static_cast<double>(size),
+                                               (static_cast<double>(cell / size) + 0.5) / static_cast<double>(size))));
                 CoefficientRow& row = level.integral.emplace_back();
                 double sum = 0.0;
                 for (std::size_t i = 0; i < coefficients_; ++i) {
@@ -138,7 +157,8 @@ HemisphereResult Hemisphere::trace(const Scene& scene, const glm::vec3& origin, 
 HemisphereResult Hemisphere::trace_list(const Scene& scene, const glm::vec3& origin, const glm::mat3& frame,
                                         std::uint64_t stream, Scratch& scratch) const {
     const bool fixed = sampling_ == Sampling::fibonacci;
-    std::vector<glm::vec3> drawn;
+    DirectionList& drawn = scratch.local;
+    drawn.resize(0);
     if (!fixed) {
         const auto strata = static_cast<std::size_t>(std::floor(std::sqrt(static_cast<double>(rays_)) + 1e-9));
         const std::size_t count = sampling_ == Sampling::stratified ? strata * strata : rays_;
@@ -150,17 +170,17 @@ HemisphereResult Hemisphere::trace_list(const Scene& scene, const glm::vec3& ori
                 x = (static_cast<double>(i % strata) + x) / static_cast<double>(strata);
                 v = (static_cast<double>(i / strata) + v) / static_cast<double>(strata);
             }
-            drawn.emplace_back(cosine_direction(x, v));
+            drawn.push_back(glm::vec3(cosine_direction(x, v)));
         }
     }
-    const std::span<const glm::vec3> local = fixed ? std::span<const glm::vec3>(directions_) : drawn;
+    const DirectionList& local = fixed ? directions_ : drawn;
     const std::size_t count = local.size();
-    scratch.directions.resize(count);
     scratch.hit.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        scratch.directions[i] = frame * local[i];
-    }
-    scene.occluded(origin, scratch.directions, scratch.hit.data());
+    turn(frame, local, scratch.directions);
+    const double start = thread_cpu_seconds();
+    scene.occluded(origin, scratch.directions.x.data(), scratch.directions.y.data(), scratch.directions.z.data(), 1,
+                   count, scratch.hit.data());
+    const double tracing_s = thread_cpu_seconds() - start;
 
     std::size_t blocked = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -179,7 +199,7 @@ HemisphereResult Hemisphere::trace_list(const Scene& scene, const glm::vec3& ori
         if (fixed) {
             add(sum, rows_[i]);
         } else {
-            sh::evaluate_basis(order_, local[i], y);
+            sh::evaluate_basis(order_, glm::vec3(local.x[i], local.y[i], local.z[i]), y);
             for (std::size_t k = 0; k < coefficients_; ++k) {
                 sum.values[k] += y[k];
             }
@@ -200,6 +220,7 @@ HemisphereResult Hemisphere::trace_list(const Scene& scene, const glm::vec3& ori
     }
     result.variance = variance;
     result.rays = count;
+    result.tracing_s = tracing_s;
     return result;
 }
 
@@ -207,29 +228,24 @@ HemisphereResult Hemisphere::trace_grid(const Scene& scene, const glm::vec3& ori
                                         Scratch& scratch) const {
     HemisphereResult result;
     Bitmap blocked{};
-    const auto shoot = [&](const Level& level) {
-        const std::size_t count = scratch.cells.size();
-        scratch.directions.resize(count);
+    const auto shoot = [&](const DirectionList& local) {
+        const std::size_t count = local.size();
+        turn(frame, local, scratch.directions);
         scratch.hit.resize(count);
-        for (std::size_t i = 0; i < count; ++i) {
-            scratch.directions[i] = frame * level.directions[scratch.cells[i]];
-        }
-        scene.occluded(origin, scratch.directions, scratch.hit.data());
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t cell = scratch.cells[i];
-            const std::uint64_t bit = std::uint64_t{1} << (cell % level.size);
-            std::uint64_t& row = blocked[cell / level.size];
-            row = scratch.hit[i] != 0 ? row | bit : row & ~bit;
-        }
+        const double start = thread_cpu_seconds();
+        scene.occluded(origin, scratch.directions.x.data(), scratch.directions.y.data(), scratch.directions.z.data(), 1,
+                       count, scratch.hit.data());
+        result.tracing_s += thread_cpu_seconds() - start;
         result.rays += count;
     };
 
     const std::size_t coarsest = levels_.front().size;
-    scratch.cells.resize(coarsest * coarsest);
-    for (std::size_t i = 0; i < scratch.cells.size(); ++i) {
-        scratch.cells[i] = static_cast<std::uint32_t>(i);
+    shoot(levels_.front().directions);
+    for (std::size_t r = 0; r < coarsest; ++r) {
+        for (std::size_t c = 0; c < coarsest; ++c) {
+            blocked[r] |= std::uint64_t{scratch.hit[r * coarsest + c]} << c;
+        }
     }
-    shoot(levels_.front());
     const double budget = max_error_ * max_error_ * unoccluded_norm_ * unoccluded_norm_;
     std::size_t deepest = 0;
     for (;; ++deepest) {
@@ -264,7 +280,20 @@ HemisphereResult Hemisphere::trace_grid(const Scene& scene, const glm::vec3& ori
             blocked[2 * r] = row;
             blocked[2 * r + 1] = row;
         }
-        shoot(levels_[deepest + 1]);
+        const Level& finer = levels_[deepest + 1];
+        scratch.local.resize(scratch.cells.size());
+        for (std::size_t i = 0; i < scratch.cells.size(); ++i) {
+            scratch.local.x[i] = finer.directions.x[scratch.cells[i]];
+            scratch.local.y[i] = finer.directions.y[scratch.cells[i]];
+            scratch.local.z[i] = finer.directions.z[scratch.cells[i]];
+        }
+        shoot(scratch.local);
+        for (std::size_t i = 0; i < scratch.cells.size(); ++i) {
+            const std::size_t cell = scratch.cells[i];
+            const std::uint64_t bit = std::uint64_t{1} << (cell % size);
+            std::uint64_t& row = blocked[cell / size];
+            row = scratch.hit[i] != 0 ? row | bit : row & ~bit;
+        }
     }
 
     std::size_t total = 0;
@@ -304,9 +333,17 @@ HemisphereResult Hemisphere::trace_grid(const Scene& scene, const glm::vec3& ori
             self(self, depth + 1, 2 * row + k / 2, 2 * column + k % 2);
         }
     };
+    const std::size_t scale = level.size / coarsest;
     for (std::size_t r = 0; r < coarsest; ++r) {
-        for (std::size_t c = 0; c < coarsest; ++c) {
+        std::uint64_t any = 0;
+        for (std::size_t k = 0; k < scale; ++k) {
+            any |= blocked[r * scale + k];
+        }
+        for (; any != 0;) {
+            const std::size_t c = static_cast<std::size_t>(std::countr_zero(any)) / scale;
             collect(collect, 0, r, c);
+            const std::size_t end = (c + 1) * scale;
+            any = end >= 64 ? 0 : any & (~std::uint64_t{0} << end);
         }
     }
     for (std::size_t i = 0; i < coefficients_; ++i) {

@@ -26,6 +26,23 @@ struct HemisphereResult {
     double visibility = 1.0; // int V cos/pi
     double variance = 0.0;   // of the transfer vector: E |error|^2, estimated
     std::uint64_t rays = 0;
+    double tracing_s = 0.0; // CPU time within the ray tracer
+};
+
+// Many directions, component by component.
+struct DirectionList {
+    std::vector<float> x, y, z;
+    void push_back(const glm::vec3& d) {
+        x.push_back(d.x);
+        y.push_back(d.y);
+        z.push_back(d.z);
+    }
+    void resize(std::size_t count) {
+        x.resize(count);
+        y.resize(count);
+        z.resize(count);
+    }
+    [[nodiscard]] std::size_t size() const noexcept { return x.size(); }
 };
 
 // Tables that all points share. Immutable once built.
@@ -34,7 +51,8 @@ public:
     explicit Hemisphere(const BakeSettings& settings);
 
     struct Scratch {
-        std::vector<glm::vec3> directions;
+        DirectionList local;
+        DirectionList directions;
         std::vector<std::uint8_t> hit;
         std::vector<std::uint32_t> cells;
     };
@@ -49,7 +67,7 @@ public:
 private:
     struct Level {
         std::size_t size = 0;                 // cells a side
-        std::vector<glm::vec3> directions;    // of the cells' centres
+        DirectionList directions;             // of the cells' centres
         std::vector<CoefficientRow> integral; // int over the cell of cos/pi y
         std::vector<float> norm2;             // of those
     };
@@ -64,9 +82,9 @@ private:
     std::size_t rays_;
     double max_error_;
     std::uint64_t seed_;
-    std::vector<glm::vec3> directions_; // fibonacci
-    std::vector<CoefficientRow> rows_;  // fibonacci
-    std::vector<Level> levels_;         // adaptive: from 16 x 16 on
+    DirectionList directions_;         // fibonacci
+    std::vector<CoefficientRow> rows_; // fibonacci
+    std::vector<Level> levels_;        // adaptive: from 16 x 16 on
     CoefficientRow unoccluded_;
     double unoccluded_norm_ = 0.0;
 };

@@ -43,8 +43,9 @@ struct PartHeader {
     std::uint64_t gather_rays = 0;
     std::uint64_t inside_points = 0;
     double cpu_s = 0.0;
+    double tracing_cpu_s = 0.0;
 };
-static_assert(sizeof(PartHeader) == 168);
+static_assert(sizeof(PartHeader) == 176);
 static_assert(sizeof(GatherHit) == 8);
 
 } // namespace
@@ -72,6 +73,7 @@ Status save_part(const BakeSettings& settings, const BakePart& part, const std::
     header.gather_rays = part.gather_rays;
     header.inside_points = part.inside_points;
     header.cpu_s = part.cpu_s;
+    header.tracing_cpu_s = part.tracing_cpu_s;
     const std::array<std::span<const std::byte>, 6> data{
         std::as_bytes(std::span(&header, 1)),      std::as_bytes(std::span(part.direct)),
         std::as_bytes(std::span(part.visibility)), std::as_bytes(std::span(part.variance)),
@@ -145,6 +147,7 @@ Result<SavedPart> load_part(const std::filesystem::path& path) {
     part.gather_rays = header.gather_rays;
     part.inside_points = header.inside_points;
     part.cpu_s = header.cpu_s;
+    part.tracing_cpu_s = header.tracing_cpu_s;
     BakeSettings& s = saved.settings;
     s.order = static_cast<int>(header.order);
     s.transport = static_cast<Transport>(header.transport);

@@ -103,19 +103,20 @@ Result<Scene> Scene::build(const Mesh& mesh, unsigned threads) {
     return Scene(std::move(impl));
 }
 
-void Scene::occluded(const glm::vec3& origin, std::span<const glm::vec3> directions, std::uint8_t* hit) const {
+void Scene::occluded(const glm::vec3& origin, const float* x, const float* y, const float* z, std::size_t stride,
+                     std::size_t count, std::uint8_t* hit) const {
     const EmbreeFloatMode mode;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    for (std::size_t i = 0; i < directions.size(); ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         alignas(16) RTCRay ray;
         ray.org_x = origin.x;
         ray.org_y = origin.y;
         ray.org_z = origin.z;
         ray.tnear = 0.0F;
-        ray.dir_x = directions[i].x;
-        ray.dir_y = directions[i].y;
-        ray.dir_z = directions[i].z;
+        ray.dir_x = x[i * stride];
+        ray.dir_y = y[i * stride];
+        ray.dir_z = z[i * stride];
         ray.time = 0.0F;
         ray.tfar = std::numeric_limits<float>::infinity();
         ray.mask = 0xFFFFFFFFU;

@@ -29,8 +29,14 @@ public:
     Scene& operator=(Scene&&) noexcept;
     ~Scene();
 
-    // hit[i] = 1 where the ray from origin along directions[i] meets the mesh.
-    void occluded(const glm::vec3& origin, std::span<const glm::vec3> directions, std::uint8_t* hit) const;
+    // hit[i] = 1 where the ray from origin along (x[i stride], y[i stride], z[i stride]) meets the mesh.
+    void occluded(const glm::vec3& origin, const float* x, const float* y, const float* z, std::size_t stride,
+                  std::size_t count, std::uint8_t* hit) const;
+    void occluded(const glm::vec3& origin, std::span<const glm::vec3> directions, std::uint8_t* hit) const {
+        if (!directions.empty()) {
+            occluded(origin, &directions[0].x, &directions[0].y, &directions[0].z, 3, directions.size(), hit);
+        }
+    }
     // The nearest hit of each ray.
     void intersect(const glm::vec3& origin, std::span<const glm::vec3> directions, SceneHit* hits) const;
 

@@ -63,7 +63,8 @@ struct BakeReport {
     double furnace_mean = 1.0;  // mean response of lit points to constant light if every albedo were 1: 1 if closed
     double furnace_worst = 1.0; // the one farthest from 1
     bool hits_kept = true;      // false: memory_bytes was too small, bounces traced again
-    double rays_cpu_s = 0.0;
+    double rays_cpu_s = 0.0;         // making, shooting and summing up rays
+    double tracing_cpu_s = 0.0;      // of that, shadow rays within the ray tracer
     double bounces_cpu_s = 0.0;
     double wall_s = 0.0;
 
@@ -107,6 +108,7 @@ struct BakePart {
     std::uint64_t gather_rays = 0;
     std::size_t inside_points = 0;
     double cpu_s = 0.0;
+    double tracing_cpu_s = 0.0;
 };
 [[nodiscard]] Result<BakePart> bake_part(const Mesh& mesh, const BakeSettings& settings, std::size_t first,
                                          std::size_t count);
