@@ -1,5 +1,6 @@
 #include "sandbox/render/renderer.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -9,6 +10,7 @@
 #include <imgui.h>
 
 #include <glm/common.hpp>
+#include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -23,10 +25,14 @@ constexpr float kPi = std::numbers::pi_v<float>;
 constexpr VkExtent2D kExtent{320, 180};
 constexpr glm::vec3 kUp(0.0F, 0.0F, 1.0F);
 
-// shaders/passes/tone.glsl in double precision.
-double display(double x) {
-    x = std::min(x, 1e4);
-    return std::min(x * (x + 0.26093) / (x * (0.99189 * x + 0.37611) + 0.061396), 1.0);
+// shaders/passes/tone.glsl in double precision: 0 .. 1.
+glm::dvec3 display(glm::dvec3 radiance) {
+    const double brightest = std::clamp(std::max({radiance.x, radiance.y, radiance.z}), 1e-6, 1e4);
+    const double curve =
+        std::min(brightest * (brightest + 0.26093) / (brightest * (0.99189 * brightest + 0.37611) + 0.061396), 1.0);
+    glm::dvec3 r = radiance / brightest;
+    r += 0.8 * brightest / (brightest + 8.0) * (1.0 - r);
+    return curve * glm::sqrt(r) * (1.0 + 0.14 * (1.0 - r) * (1.0 - r));
 }
 
 // A flat plain of 33 x 33 vertices, and squares of 4 m that stand on it, facing south.
@@ -153,14 +159,14 @@ protected:
 
     // What a surface of that albedo and normal shows.
     [[nodiscard]] glm::dvec3 lit(glm::vec3 albedo, glm::vec3 normal, float sun_share) const {
-        glm::dvec3 shown{};
+        glm::dvec3 radiance{};
         for (int k = 0; k < 3; ++k) {
             const double sky_lux = frame.irradiance_matrix[static_cast<std::size_t>(k)][3][3];
             const double sun_lux =
                 sun_share * frame.sun_illuminance_lux[k] * std::max(glm::dot(normal, frame.to_sun), 0.0F);
-            shown[k] = 255.0 * display(albedo[k] / std::numbers::pi * (sky_lux + sun_lux) * frame.exposure);
+            radiance[k] = albedo[k] / std::numbers::pi * (sky_lux + sun_lux) * frame.exposure;
         }
-        return shown;
+        return 255.0 * display(radiance);
     }
 
     void expect_near(glm::dvec3 a, glm::dvec3 b, double tolerance) const {
@@ -210,7 +216,11 @@ TEST_P(RendererTest, PenumbraIsTheVisiblePartOfTheDisc) {
 // The ground's detail varies its light, by design around a mean of 1: over whole tiles of it the mean radiance, that
 // is before the tone curve, is the plain's.
 TEST_P(RendererTest, GroundHasOnAverageTheTerrainsLight) {
-    const glm::vec3 albedo(0.2F, 0.25F, 0.15F);
+    const glm::vec3 albedo(0.25F);
+    frame.sun_illuminance_lux = glm::vec3(55000.0F);
+    for (glm::mat4& irradiance : frame.irradiance_matrix) {
+        irradiance[3][3] = 8000.0F;
+    }
     const Plain plain(albedo, 900.0F);
     start(plain);
     // From above, the picture 4 x 4 tiles of the largest size high.
@@ -218,26 +228,25 @@ TEST_P(RendererTest, GroundHasOnAverageTheTerrainsLight) {
     frame.camera_m = {0.0F, 0.0F, 0.5F * side / std::tan(0.4F)};
     look({0.0F, 1e-4F, -1.0F});
     draw();
+    // Grey is undone by inverting the curve.
     std::array<double, 256> radiance{}; // by shown byte
     double x = 0.0;
     for (std::size_t byte = 0; byte < 256; ++byte) {
-        while (255.0 * display(x) < static_cast<double>(byte) && x < 100.0) {
+        while (255.0 * display(glm::dvec3(x)).x < static_cast<double>(byte) && x < 100.0) {
             x += 1e-4;
         }
         radiance[byte] = x;
     }
-    for (int k = 0; k < 3; ++k) {
-        double sum = 0.0;
-        int count = 0;
-        for (std::uint32_t row = 0; row < 180; ++row) {
-            for (std::uint32_t column = 70; column < 250; ++column) {
-                sum += radiance[static_cast<std::size_t>(pixel(column, row)[static_cast<std::size_t>(k)])];
-                ++count;
-            }
+    double sum = 0.0;
+    int count = 0;
+    for (std::uint32_t row = 0; row < 180; ++row) {
+        for (std::uint32_t column = 70; column < 250; ++column) {
+            sum += radiance[static_cast<std::size_t>(pixel(column, row)[1])];
+            ++count;
         }
-        const double expected = radiance[static_cast<std::size_t>(std::lround(lit(albedo, kUp, 1.0F)[k]))];
-        EXPECT_NEAR(sum / count / expected, 1.0, 0.04) << "channel " << k;
     }
+    const double expected = radiance[static_cast<std::size_t>(std::lround(lit(albedo, kUp, 1.0F).y))];
+    EXPECT_NEAR(sum / count / expected, 1.0, 0.04);
 }
 
 TEST_P(RendererTest, SkyShowsItsRadiance) {
@@ -245,9 +254,7 @@ TEST_P(RendererTest, SkyShowsItsRadiance) {
     start(plain);
     draw();
     const glm::dvec3 radiance(3000.0, 5000.0, 9000.0);
-    for (int k = 0; k < 3; ++k) {
-        EXPECT_NEAR(mean(0, 0, 320, 40)[k], 255.0 * display(radiance[k] * frame.exposure), 1.0);
-    }
+    expect_near(mean(0, 0, 320, 40), 255.0 * display(radiance * double{frame.exposure}), 1.0);
 }
 
 // Far away, whatever stands there has the horizon's light.
