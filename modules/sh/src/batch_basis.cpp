@@ -5,6 +5,8 @@
 
 #include "simd-inl.h"
 
+#include <hwy/cache_control.h>
+
 HWY_BEFORE_NAMESPACE();
 namespace alpenglow::sh::HWY_NAMESPACE {
 namespace {
@@ -32,15 +34,6 @@ struct Sums {
     HWY_INLINE V total() const { return hn::Add(hn::Add(sum[0], sum[1]), hn::Add(sum[2], sum[3])); }
 };
 
-struct SharedDot : Sums {
-    const float* coefficients;
-    explicit HWY_INLINE SharedDot(const float* c) : coefficients(c) {}
-    template <int I>
-    HWY_INLINE void put(V y) {
-        sum[I % 4] = hn::MulAdd(y, hn::Set(d, coefficients[I]), sum[I % 4]);
-    }
-};
-
 struct OwnDot : Sums {
     const float* coefficients;
     std::size_t stride;
@@ -51,16 +44,65 @@ struct OwnDot : Sums {
     }
 };
 
+// One coefficient vector: its coefficients of each m folded into polynomials in z beforehand, then Horner. Degrees stay
+// low enough for float up to order 6.
+struct Folded {
+    float cosine[max_order][max_order]; // [m][power of z]
+    float sine[max_order][max_order];
+
+    HWY_INLINE Folded(int order, const float* f) {
+        for (int m = 0; m < order; ++m) {
+            double c[max_order] = {}, s[max_order] = {};
+            for (int l = m; l < order; ++l) {
+                for (int k = 0, power = (l - m) % 2; power <= l - m; ++k, power += 2) {
+                    c[power] += detail::basis_tables.poly[l][m][k] * static_cast<double>(f[index(l, m)]);
+                    s[power] += detail::basis_tables.poly[l][m][k] * static_cast<double>(f[index(l, -m)]);
+                }
+            }
+            for (int power = 0; power < order - m; ++power) {
+                cosine[m][power] = static_cast<float>(c[power]);
+                sine[m][power] = static_cast<float>(s[power]);
+            }
+        }
+    }
+};
+
+template <int Degree>
+HWY_INLINE V horner(const float* c, V z) {
+    V sum = hn::Set(d, c[Degree]);
+    HWY_UNROLL(16)
+    for (int k = Degree - 1; k >= 0; --k) {
+        sum = hn::MulAdd(sum, z, hn::Set(d, c[k]));
+    }
+    return sum;
+}
+
+template <int Order, int M_>
+HWY_INLINE V folded_sum(const Folded& f, V x, V y, V z, V re, V im, V sum) {
+    if constexpr (M_ < Order) {
+        sum = hn::MulAdd(re, horner<Order - 1 - M_>(f.cosine[M_], z), sum);
+        sum = hn::MulAdd(im, horner<Order - 1 - M_>(f.sine[M_], z), sum);
+        if constexpr (M_ + 1 < Order) {
+            const V next_re = hn::MulSub(x, re, hn::Mul(y, im));
+            const V next_im = hn::MulAdd(x, im, hn::Mul(y, re));
+            return folded_sum<Order, M_ + 1>(f, x, y, z, next_re, next_im, sum);
+        }
+    }
+    return sum;
+}
+
 struct EvaluateShared {
     const float* coefficients;
     ConstBatch directions;
     Batch values;
     template <int Order>
     HWY_INLINE void run() const {
+        const Folded folded(Order, coefficients);
         for (std::size_t k = 0; k < directions.count; k += lanes()) {
-            SharedDot sink(coefficients);
-            basis<Order>(load(directions.row(0) + k), load(directions.row(1) + k), load(directions.row(2) + k), sink);
-            store(sink.total(), values.data + k);
+            const V x = hn::Neg(load(directions.row(0) + k)), y = hn::Neg(load(directions.row(1) + k));
+            const V z = load(directions.row(2) + k);
+            const V zonal = horner<Order - 1>(folded.cosine[0], z);
+            store(folded_sum<Order, 1>(folded, x, y, z, x, y, zonal), values.data + k);
         }
     }
 };
@@ -112,12 +154,31 @@ void scale_bands_kernel(int order, const float* factors, ConstBatch in, Batch ou
 void blend_kernel(std::size_t coefficients, const float* probes, std::size_t stride, const std::uint32_t* corners,
                   const float* weights, std::size_t receivers, float* out) {
     for (std::size_t r = 0; r < receivers; ++r, corners += 8, weights += 8, out += stride) {
-        for (std::size_t i = 0; i < coefficients; i += lanes()) {
-            V sum = hn::Mul(hn::Set(d, weights[0]), load(probes + corners[0] * stride + i));
-            for (int c = 1; c < 8; ++c) {
-                sum = hn::MulAdd(hn::Set(d, weights[c]), load(probes + corners[c] * stride + i), sum);
+        // Corners of the receivers to come: the grid is larger than the nearest caches.
+        if (r + 4 < receivers) {
+            for (int c = 32; c < 40; ++c) {
+                hwy::Prefetch(probes + corners[c] * stride);
             }
-            store(sum, out + i);
+        }
+        std::size_t i = 0;
+        for (; i + lanes() < coefficients; i += 2 * lanes()) {
+            V a = hn::Zero(d), b = a;
+            HWY_UNROLL(8)
+            for (int c = 0; c < 8; ++c) {
+                const float* probe = probes + corners[c] * stride + i;
+                const V w = hn::Set(d, weights[c]);
+                a = hn::MulAdd(w, load(probe), a);
+                b = hn::MulAdd(w, load(probe + lanes()), b);
+            }
+            store(a, out + i);
+            store(b, out + i + lanes());
+        }
+        for (; i < coefficients; i += lanes()) {
+            V a = hn::Zero(d);
+            for (int c = 0; c < 8; ++c) {
+                a = hn::MulAdd(hn::Set(d, weights[c]), load(probes + corners[c] * stride + i), a);
+            }
+            store(a, out + i);
         }
     }
 }
