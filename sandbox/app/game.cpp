@@ -15,7 +15,8 @@
 
 namespace alpenglow::sandbox {
 
-Game::Game(const Scene& scene) : world_(build_world()), sky_(registry_.create()), dome_(SkyDome::vertices) {
+Game::Game(const Scene& scene, std::unique_ptr<World> world)
+    : world_(std::move(world)), sky_(registry_.create()), dome_(SkyDome::vertices) {
     registry_.emplace<WorldClock>(sky_);
     registry_.emplace<Observer>(sky_);
     registry_.emplace<CelestialState>(sky_);

@@ -23,7 +23,7 @@ namespace alpenglow::sandbox {
 
 class Game {
 public:
-    explicit Game(const Scene& scene);
+    Game(const Scene& scene, std::unique_ptr<World> world);
 
     // Puts the clock, the place, the air and the camera where the scene has them; the landscape stays.
     void enter(const Scene& scene);

@@ -1,7 +1,9 @@
 #include "sandbox/app/session.hpp"
 
 #include <cmath>
+#include <filesystem>
 #include <iostream>
+#include <system_error>
 #include <utility>
 
 #define GLFW_INCLUDE_NONE
@@ -14,6 +16,7 @@
 
 #include "sandbox/app/picture.hpp"
 #include "sandbox/scene/scene.hpp"
+#include "sandbox/world/landscape_file.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
@@ -22,6 +25,26 @@ constexpr double headless_step_s = 1.0 / 60.0;
 constexpr int panel_refresh_frames = 15;
 constexpr float look_rad_per_pixel = 0.003F;
 constexpr float eye_clearance_m = 2.0F;
+
+// The landscape that the build has generated: beside the program or where the build left it.
+std::unique_ptr<World> landscape() {
+    std::vector<std::filesystem::path> files;
+    std::error_code failed;
+    if (const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed); !failed) {
+        files.push_back(program.parent_path() / built_landscape().filename());
+    }
+    if (files.empty() || files.front() != built_landscape()) {
+        files.push_back(built_landscape());
+    }
+    OpenedWorld opened = open_world(files);
+    if (opened.generated) {
+        for (const Error& problem : opened.problems) {
+            std::cerr << "alpenglow-sandbox: " << problem.message() << '\n';
+        }
+        std::cerr << "alpenglow-sandbox: generating the landscape\n";
+    }
+    return std::move(opened.world);
+}
 
 VkExtent2D extent_of(const glm::ivec2& size) {
     return {static_cast<std::uint32_t>(size.x), static_cast<std::uint32_t>(size.y)};
@@ -38,8 +61,7 @@ Result<std::unique_ptr<Session>> Session::create(const vulkan::Instance& instanc
     s.window_ = window;
     s.options_ = options;
     const glm::ivec2 size = window != nullptr ? window->framebuffer_size() : glm::ivec2(options.width, options.height);
-    std::cerr << "alpenglow-sandbox: building the landscape\n";
-    s.game = std::make_unique<Game>(scene);
+    s.game = std::make_unique<Game>(scene, landscape());
     RendererOptions render_options{.extent = extent_of(size), .quality = scene.quality};
 #ifdef ALPENGLOW_SHADER_DIRECTORY
     render_options.shader_directory = ALPENGLOW_SHADER_DIRECTORY;

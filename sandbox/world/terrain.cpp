@@ -340,21 +340,13 @@ Terrain generate_terrain(std::uint32_t seed) {
     return terrain;
 }
 
-std::vector<glm::vec3> grid_normals(const HeightGrid& grid) {
-    std::vector<glm::vec3> normals(grid.height_m.size());
-    parallel_for(static_cast<std::size_t>(grid.n), 16, [&](std::size_t begin, std::size_t end) {
-        for (int j = static_cast<int>(begin); j < static_cast<int>(end); ++j) {
-            for (int i = 0; i < grid.n; ++i) {
-                const auto slope = [&](int di, int dj) {
-                    const float near = grid.at_clamped(i + di, j + dj) - grid.at_clamped(i - di, j - dj);
-                    const float far = grid.at_clamped(i + 2 * di, j + 2 * dj) - grid.at_clamped(i - 2 * di, j - 2 * dj);
-                    return (0.6F * near / 2.0F + 0.4F * far / 4.0F) / grid.spacing_m;
-                };
-                normals[grid.index(i, j)] = glm::normalize(glm::vec3(-slope(1, 0), -slope(0, 1), 1.0F));
-            }
-        }
-    });
-    return normals;
+glm::vec3 grid_normal(const HeightGrid& grid, int i, int j) {
+    const auto slope = [&](int di, int dj) {
+        const float near = grid.at_clamped(i + di, j + dj) - grid.at_clamped(i - di, j - dj);
+        const float far = grid.at_clamped(i + 2 * di, j + 2 * dj) - grid.at_clamped(i - 2 * di, j - 2 * dj);
+        return (0.6F * near / 2.0F + 0.4F * far / 4.0F) / grid.spacing_m;
+    };
+    return glm::normalize(glm::vec3(-slope(1, 0), -slope(0, 1), 1.0F));
 }
 
 float forest_cover(const Terrain& terrain, glm::vec2 p, float height_m, glm::vec3 normal) {

@@ -23,7 +23,7 @@ struct Terrain {
 
     HeightGrid inner;
     HeightGrid outer;
-    std::vector<float> inner_area_m2; // drainage area, for streams and moisture
+    std::vector<float> inner_area_m2; // drainage area, for streams and moisture; not kept past the ground's colours
     std::vector<float> outer_area_m2;
     std::uint32_t seed = 0;
 
@@ -34,8 +34,8 @@ struct Terrain {
 // Deterministic: the same seed gives the same bits, whatever the thread count. About a second on two cores.
 [[nodiscard]] Terrain generate_terrain(std::uint32_t seed);
 
-// Unit normals from central differences over two samples each way, one a sample.
-[[nodiscard]] std::vector<glm::vec3> grid_normals(const HeightGrid& grid);
+// Unit normal at a sample, from central differences over two samples each way.
+[[nodiscard]] glm::vec3 grid_normal(const HeightGrid& grid, int i, int j);
 
 // Linear Rec.709 reflectance of the ground: meadow, forest, rock, scree, snow, water, by slope, height and moisture.
 [[nodiscard]] glm::vec3 ground_albedo(const Terrain& terrain, glm::vec2 position_m, float height_m, glm::vec3 normal,

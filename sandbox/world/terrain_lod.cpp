@@ -221,9 +221,13 @@ glm::vec3 view_direction(const glm::mat4& clip_from_world) {
 TerrainLod::TerrainLod(const Terrain& terrain, std::span<const Vertex> vertices) : terrain_(terrain) {
     assert(terrain.inner.n == Terrain::samples && terrain.outer.n == Terrain::samples);
     assert(vertices.empty() || vertices.size() == 2 * grid_count);
-    error_m_.assign(2 * grid_count, -1.0F);
-    radius_m_.assign(2 * grid_count, 0.0F);
+    bounds_.error_m.assign(2 * grid_count, UpperBound(-1.0F));
+    bounds_.radius_m.assign(2 * grid_count, UpperBound());
     bound_errors(vertices);
+}
+
+TerrainLod::TerrainLod(const Terrain& terrain, LodBounds bounds) : terrain_(terrain), bounds_(std::move(bounds)) {
+    assert(bounds_.error_m.size() == 2 * grid_count && bounds_.radius_m.size() == 2 * grid_count);
 }
 
 std::int64_t TerrainLod::vertex_of(glm::ivec2 p) const {
@@ -245,9 +249,9 @@ glm::vec3 TerrainLod::position_m(std::uint32_t vertex) const {
 }
 
 void TerrainLod::bound_errors(std::span<const Vertex> vertices) {
-    std::vector<float> look_m(vertices.empty() ? 0 : error_m_.size(),
+    std::vector<float> look_m(vertices.empty() ? 0 : bounds_.error_m.size(),
                               0.0F); // what the eye misses besides shape, nested
-    std::vector<float> shape_m(error_m_.size(), 0.0F);
+    std::vector<float> shape_m(bounds_.error_m.size(), 0.0F);
     const std::vector<Level> levels = levels_coarse_to_fine();
     // Which vertices may ever be split: those whose parents may. Error 0 marks them for now.
     for (const Level& level : levels) {
@@ -262,18 +266,18 @@ void TerrainLod::bound_errors(std::span<const Vertex> vertices) {
                     continue;
                 }
                 const std::int64_t p = vertex_of(parent);
-                if (p < 0 || error_m_[static_cast<std::size_t>(p)] < 0.0F) {
+                if (p < 0 || bounds_.error_m[static_cast<std::size_t>(p)].value() < 0.0F) {
                     return;
                 }
             }
-            error_m_[static_cast<std::size_t>(at)] = 0.0F;
+            bounds_.error_m[static_cast<std::size_t>(at)] = UpperBound(0.0F);
         });
     }
     for (std::size_t l = levels.size(); l-- > 0;) {
         const Level& level = levels[l];
         level.for_each([&](glm::ivec2 v) {
             const std::int64_t signed_at = vertex_of(v);
-            if (signed_at < 0 || error_m_[static_cast<std::size_t>(signed_at)] < 0.0F) {
+            if (signed_at < 0 || bounds_.error_m[static_cast<std::size_t>(signed_at)].value() < 0.0F) {
                 return;
             }
             const auto at = static_cast<std::uint32_t>(signed_at);
@@ -301,30 +305,31 @@ void TerrainLod::bound_errors(std::span<const Vertex> vertices) {
                     continue;
                 }
                 const std::int64_t c = vertex_of(child);
-                if (c >= 0 && error_m_[static_cast<std::size_t>(c)] >= 0.0F) {
+                if (c >= 0 && bounds_.error_m[static_cast<std::size_t>(c)].value() >= 0.0F) {
                     const auto k = static_cast<std::uint32_t>(c);
                     below = std::max(below, shape_m[k]);
                     look = vertices.empty() ? 0.0F : std::max(look, look_m[k]);
-                    radius = std::max(radius, glm::distance(position, position_m(k)) + radius_m_[k]);
+                    radius = std::max(radius, glm::distance(position, position_m(k)) + bounds_.radius_m[k].value());
                 }
             }
             shape_m[at] = own + below;
-            error_m_[at] = shape_m[at];
+            bounds_.error_m[at] = UpperBound(shape_m[at]);
             if (!vertices.empty()) {
                 look_m[at] = look;
-                error_m_[at] = std::max(shape_m[at], look);
+                bounds_.error_m[at] = UpperBound(std::max(shape_m[at], look));
             }
-            radius_m_[at] = 1.0001F * radius + 0.05F; // above what rounding could take from the nesting
+            bounds_.radius_m[at] =
+                UpperBound(1.0001F * radius + 0.05F); // above what rounding could take from the nesting
         });
     }
 }
 
 bool TerrainLod::active(std::uint32_t v, float distance_m, const Threshold& t) const {
-    const float e = error_m_[v];
+    const float e = bounds_.error_m[v].value();
     if (!(e > 0.0F)) {
         return false;
     }
-    const float clear_m = distance_m - radius_m_[v];
+    const float clear_m = distance_m - bounds_.radius_m[v].value();
     // Grows with distance, so that parents stay active; past the first test the exponential is rarely needed.
     return e > t.ratio * clear_m && (clear_m <= 0.0F || e > t.ratio * clear_m * std::exp(clear_m * t.per_haze));
 }
@@ -347,7 +352,7 @@ std::array<TerrainLod::Triangle, 2> TerrainLod::roots() const {
 std::int64_t TerrainLod::split_vertex(const Triangle& triangle) const {
     const glm::ivec2 sum = triangle.a.at + triangle.b.at;
     const std::int64_t v = sum.x % 2 == 0 && sum.y % 2 == 0 ? vertex_of(sum / 2) : -1;
-    return v >= 0 && error_m_[static_cast<std::size_t>(v)] >= 0.0F ? v : -1;
+    return v >= 0 && bounds_.error_m[static_cast<std::size_t>(v)].value() >= 0.0F ? v : -1;
 }
 
 bool TerrainLod::build(const LodView& view, const LodSettings& settings, float threshold_px) {
@@ -382,7 +387,7 @@ bool TerrainLod::build(const LodView& view, const LodSettings& settings, float t
         const std::int64_t split = split_vertex(triangle);
         if (split >= 0) {
             const Corner middle = corner((triangle.a.at + triangle.b.at) / 2);
-            const float radius = radius_m_[middle.vertex];
+            const float radius = bounds_.radius_m[middle.vertex].value();
             const float distance = glm::distance(middle.position_m, view.camera_m);
             const float margin = turn * distance + settings.move_m;
             bool outside = false;
@@ -473,7 +478,7 @@ std::vector<std::uint32_t> TerrainLod::coarse_indices(float error_m) const {
         const Triangle triangle = stack.back();
         stack.pop_back();
         const std::int64_t split = split_vertex(triangle);
-        if (split >= 0 && error_m_[static_cast<std::size_t>(split)] > error_m) {
+        if (split >= 0 && bounds_.error_m[static_cast<std::size_t>(split)].value() > error_m) {
             const Corner middle = corner((triangle.a.at + triangle.b.at) / 2);
             stack.push_back({triangle.c, triangle.a, middle});
             stack.push_back({triangle.b, triangle.c, middle});

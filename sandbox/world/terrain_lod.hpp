@@ -4,6 +4,7 @@
 
 #include "render_data.hpp"
 #include "terrain.hpp"
+#include "upper_bound.hpp"
 
 #include <alpenglow/core/system_report.hpp>
 
@@ -32,6 +33,12 @@ struct LodSettings {
     float turn_rad = 0.07F;       // and turned less; what counts as in view is wider by as much
 };
 
+// What a vertex knows of the triangles that it splits.
+struct LodBounds {
+    std::vector<UpperBound> error_m;  // E(v); negative: never split
+    std::vector<UpperBound> radius_m; // r(v)
+};
+
 // Vertices are numbered as in `WorldData::terrain`: the outer grid row by row, then the inner grid.
 //
 // A split vertex v, the middle of the long edge a-b of its triangles, carries E(v), a bound on the vertical distance
@@ -48,6 +55,8 @@ public:
     // With `vertices` (of make_terrain_mesh), a vertex that differs from its neighbours in colour or normal counts as
     // an error too, in proportion to the edge that would hide it: E(v) is then the larger of the two bounds.
     explicit TerrainLod(const Terrain& terrain, std::span<const Vertex> vertices = {});
+    // With bounds found before, one a vertex.
+    TerrainLod(const Terrain& terrain, LodBounds bounds);
 
     // Rebuilds the triangulation if the view has changed enough; else keeps it. Returns what it did: `updated` is 1
     // after a rebuild, `error_bound` is the error on the screen in pixels, which a kept triangulation may exceed by the
@@ -64,9 +73,10 @@ public:
     // Height of the current triangulation's surface at a point (as if all of it were in view).
     [[nodiscard]] float surface_height_m(glm::vec2 position_m) const;
 
-    [[nodiscard]] std::size_t vertex_count() const { return error_m_.size(); }
+    [[nodiscard]] std::size_t vertex_count() const { return bounds_.error_m.size(); }
     [[nodiscard]] glm::vec3 position_m(std::uint32_t vertex) const;
-    [[nodiscard]] float vertex_error_m(std::uint32_t vertex) const { return error_m_[vertex]; }
+    [[nodiscard]] float vertex_error_m(std::uint32_t vertex) const { return bounds_.error_m[vertex].value(); }
+    [[nodiscard]] const LodBounds& bounds() const { return bounds_; }
 
 private:
     // A sample by its virtual 16 m coordinates from the outer grid's south-west corner.
@@ -95,8 +105,7 @@ private:
     bool build(const LodView& view, const LodSettings& settings, float threshold_px);
 
     const Terrain& terrain_;
-    std::vector<float> error_m_;  // E(v); negative: never split
-    std::vector<float> radius_m_; // r(v)
+    LodBounds bounds_;
     std::vector<std::uint32_t> indices_;
     std::uint32_t revision_ = 0;
     float error_px_ = 0.0F; // 0: nothing built yet

@@ -4,6 +4,7 @@
 
 #include <alpenglow/core/parallel_for.hpp>
 
+#include <cassert>
 #include <cmath>
 
 namespace alpenglow::sandbox {
@@ -11,19 +12,28 @@ namespace {
 
 constexpr std::size_t grid_count = static_cast<std::size_t>(Terrain::samples) * Terrain::samples;
 
-void fill(const Terrain& terrain, const HeightGrid& grid, const std::vector<float>& drainage_m2,
-          const std::vector<HorizonBytes>& horizons, Vertex* out) {
-    const std::vector<glm::vec3> normals = grid_normals(grid);
+void colour(const Terrain& terrain, const HeightGrid& grid, const std::vector<float>& drainage_m2,
+            const std::vector<HorizonBytes>& horizons, Vertex* out) {
     parallel_for(static_cast<std::size_t>(grid.n), 8, [&](std::size_t begin, std::size_t end) {
         for (int j = static_cast<int>(begin); j < static_cast<int>(end); ++j) {
             for (int i = 0; i < grid.n; ++i) {
                 const std::size_t k = grid.index(i, j);
-                const glm::vec2 p = grid.position_m(i, j);
-                out[k].position_m = {p, grid.height_m[k]};
-                out[k].normal = pack_normal(normals[k]);
-                out[k].albedo = pack_albedo(ground_albedo(terrain, p, grid.height_m[k], normals[k], drainage_m2[k]),
-                                            sky_visibility(horizons[k]));
+                const glm::vec3 albedo = ground_albedo(terrain, grid.position_m(i, j), grid.height_m[k],
+                                                       grid_normal(grid, i, j), drainage_m2[k]);
+                out[k].albedo = pack_albedo(albedo, sky_visibility(horizons[k]));
                 out[k].horizon = pack_horizon(horizons[k]);
+            }
+        }
+    });
+}
+
+void shape(const HeightGrid& grid, Vertex* out) {
+    parallel_for(static_cast<std::size_t>(grid.n), 8, [&](std::size_t begin, std::size_t end) {
+        for (int j = static_cast<int>(begin); j < static_cast<int>(end); ++j) {
+            for (int i = 0; i < grid.n; ++i) {
+                const std::size_t k = grid.index(i, j);
+                out[k].position_m = {grid.position_m(i, j), grid.height_m[k]};
+                out[k].normal = pack_normal(grid_normal(grid, i, j));
             }
         }
     });
@@ -34,19 +44,25 @@ void fill(const Terrain& terrain, const HeightGrid& grid, const std::vector<floa
 MeshData make_terrain_mesh(const Terrain& terrain) {
     MeshData mesh;
     mesh.vertices.resize(2 * grid_count);
-    fill(terrain, terrain.outer, terrain.outer_area_m2, compute_horizons(terrain.outer), mesh.vertices.data());
-    fill(terrain, terrain.inner, terrain.inner_area_m2, compute_horizons(terrain.inner, &terrain.outer),
-         mesh.vertices.data() + grid_count);
-    // Where both grids have a sample, the outer vertex is the one drawn: it takes what the finer grid knows.
+    colour(terrain, terrain.outer, terrain.outer_area_m2, compute_horizons(terrain.outer), mesh.vertices.data());
+    colour(terrain, terrain.inner, terrain.inner_area_m2, compute_horizons(terrain.inner, &terrain.outer),
+           mesh.vertices.data() + grid_count);
+    shape_terrain_mesh(terrain, mesh.vertices);
+    return mesh;
+}
+
+void shape_terrain_mesh(const Terrain& terrain, std::span<Vertex> vertices) {
+    assert(vertices.size() == 2 * grid_count);
+    shape(terrain.outer, vertices.data());
+    shape(terrain.inner, vertices.data() + grid_count);
     const int half = (Terrain::samples - 1) / 2;
     const int first = half - half / Terrain::ratio;
     for (int j = 0; j < Terrain::samples; j += Terrain::ratio) {
         for (int i = 0; i < Terrain::samples; i += Terrain::ratio) {
-            mesh.vertices[terrain.outer.index(first + i / Terrain::ratio, first + j / Terrain::ratio)] =
-                mesh.vertices[grid_count + terrain.inner.index(i, j)];
+            vertices[terrain.outer.index(first + i / Terrain::ratio, first + j / Terrain::ratio)] =
+                vertices[grid_count + terrain.inner.index(i, j)];
         }
     }
-    return mesh;
 }
 
 std::array<std::uint32_t, 4> terrain_horizon(const Terrain& terrain, const MeshData& mesh, glm::vec2 p) {

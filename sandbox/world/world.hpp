@@ -25,6 +25,10 @@ inline constexpr std::uint32_t default_seed = 1;
 // Generates everything; deterministic. A World refers to itself, hence the pointer.
 [[nodiscard]] std::unique_ptr<World> build_world(std::uint32_t seed = default_seed);
 
+// What follows cheaply, into a world that has its terrain, the terrain's vertices and its level of detail: grids,
+// default triangles, objects and their shadows.
+void furnish(World& world);
+
 // Places huts, chapel, barns, groups of conifers and boulders near the places that scenes look at; sorted by mesh.
 [[nodiscard]] std::vector<ObjectInstance> place_objects(const Terrain& terrain, const MeshData& terrain_mesh,
                                                         const std::vector<ObjectMesh>& meshes);

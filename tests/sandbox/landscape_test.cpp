@@ -1,8 +1,11 @@
-// The generated landscape as a whole. Tests share few, long bodies because each generates it anew.
+// The landscape as a whole, from the file that the build has generated.
 #include <sandbox/scene/scene.hpp>
 #include <sandbox/world/horizon.hpp>
+#include <sandbox/world/landscape_file.hpp>
 #include <sandbox/world/vertex.hpp>
 #include <sandbox/world/world.hpp>
+
+#include <alpenglow/core/parallel_for.hpp>
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
@@ -11,6 +14,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -18,43 +24,173 @@
 namespace alpenglow::sandbox {
 namespace {
 
-std::uint64_t hash_of(const Terrain& terrain) {
-    std::uint64_t hash = 14695981039346656037ULL;
-    for (const std::vector<float>* heights : {&terrain.inner.height_m, &terrain.outer.height_m}) {
-        for (const float h : *heights) {
-            std::uint32_t bits = 0;
-            std::memcpy(&bits, &h, sizeof bits);
-            hash = (hash ^ bits) * 1099511628211ULL;
-        }
+class Landscape : public ::testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        Result<std::unique_ptr<World>> read = read_landscape(built_landscape());
+        ASSERT_TRUE(read) << read.error().message();
+        world_ = std::move(read).value();
     }
-    return hash;
+    static void TearDownTestSuite() { world_.reset(); }
+    static inline std::unique_ptr<World> world_;
+};
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
-TEST(Landscape, IsTheSameWhateverTheThreadCount) {
-    // The thread count is read once a process: ask two children.
-    std::uint64_t hashes[2] = {1, 2};
-    for (int k = 0; k < 2; ++k) {
-        int ends[2];
-        ASSERT_EQ(pipe(ends), 0);
-        const pid_t child = fork();
-        ASSERT_GE(child, 0);
-        if (child == 0) {
-            setenv("ALPENGLOW_THREADS", k == 0 ? "1" : "3", 1);
-            const std::uint64_t hash = hash_of(generate_terrain(default_seed));
-            _exit(write(ends[1], &hash, sizeof hash) == sizeof hash ? 0 : 1);
-        }
-        int status = 0;
-        ASSERT_EQ(waitpid(child, &status, 0), child);
-        ASSERT_EQ(status, 0);
-        ASSERT_EQ(read(ends[0], &hashes[k], sizeof hashes[k]), static_cast<ssize_t>(sizeof hashes[k]));
-        close(ends[0]);
-        close(ends[1]);
+// The name of the first part in which two worlds differ; empty if they are the same bit for bit.
+std::string difference(const World& a, const World& b) {
+    const auto same_grid = [](const HeightGrid& x, const HeightGrid& y) {
+        return x.n == y.n && x.spacing_m == y.spacing_m && x.origin_m == y.origin_m &&
+               same_bits(x.height_m, y.height_m);
+    };
+    const auto same_object = [](const ObjectInstance& x, const ObjectInstance& y) {
+        return x.world_from_object == y.world_from_object && x.horizon == y.horizon && x.mesh == y.mesh;
+    };
+    const auto same_place = [](const TerrainGrid& x, const TerrainGrid& y) {
+        return x.first_vertex == y.first_vertex && x.samples == y.samples && x.spacing_m == y.spacing_m &&
+               x.origin_m == y.origin_m;
+    };
+    const WorldData& d = a.data;
+    const WorldData& e = b.data;
+    if (a.terrain.seed != b.terrain.seed || !same_grid(a.terrain.outer, b.terrain.outer) ||
+        !same_grid(a.terrain.inner, b.terrain.inner) || !same_bits(a.terrain.inner_area_m2, b.terrain.inner_area_m2) ||
+        !same_bits(a.terrain.outer_area_m2, b.terrain.outer_area_m2)) {
+        return "terrain";
     }
-    EXPECT_EQ(hashes[0], hashes[1]);
+    if (!same_bits(d.terrain.vertices, e.terrain.vertices)) {
+        return "vertices";
+    }
+    if (a.lod->bounds().error_m != b.lod->bounds().error_m || a.lod->bounds().radius_m != b.lod->bounds().radius_m) {
+        return "level of detail";
+    }
+    if (!same_bits(d.terrain.indices, e.terrain.indices)) {
+        return "indices";
+    }
+    if (!std::equal(d.terrain_grids.begin(), d.terrain_grids.end(), e.terrain_grids.begin(), e.terrain_grids.end(),
+                    same_place)) {
+        return "grids";
+    }
+    if (!std::equal(d.objects.begin(), d.objects.end(), e.objects.begin(), e.objects.end(), same_object)) {
+        return "objects";
+    }
+    return d.object_meshes.size() == e.object_meshes.size() ? "" : "object meshes";
 }
 
-TEST(Landscape, IsAlpineAndFitsTogether) {
-    const std::unique_ptr<World> world = build_world();
+TEST_F(Landscape, FileHoldsWhatIsGeneratedWhateverTheThreadCount) {
+    // The build generated with the default thread count, which is read once a process: a child generates with another.
+    const std::string threads = std::to_string(parallel_threads() + 1);
+    int ends[2];
+    ASSERT_EQ(pipe(ends), 0);
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+        setenv("ALPENGLOW_THREADS", threads.c_str(), 1);
+        const std::string differs = difference(*build_world(), *world_);
+        _exit(write(ends[1], differs.data(), differs.size()) == static_cast<ssize_t>(differs.size()) ? 0 : 1);
+    }
+    close(ends[1]);
+    char differs[64] = {};
+    EXPECT_GE(read(ends[0], differs, sizeof differs - 1), 0);
+    close(ends[0]);
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
+    EXPECT_STREQ(differs, "");
+}
+
+// A damaged copy of the landscape's file, removed in the end.
+class Damaged {
+public:
+    explicit Damaged(std::uintmax_t bytes) : path_(::testing::TempDir() + "landscape-" + std::to_string(getpid())) {
+        std::ifstream from(built_landscape(), std::ios::binary);
+        std::string content(std::min(bytes, std::filesystem::file_size(built_landscape())), '\0');
+        from.read(content.data(), static_cast<std::streamsize>(content.size()));
+        std::ofstream(path_, std::ios::binary) << content;
+    }
+    ~Damaged() { std::filesystem::remove(path_); }
+    Damaged(const Damaged&) = delete;
+    Damaged& operator=(const Damaged&) = delete;
+
+    void flip(std::streamoff at) {
+        std::fstream file(path_, std::ios::binary | std::ios::in | std::ios::out);
+        file.seekg(at);
+        const int byte = file.get();
+        file.seekp(at);
+        file.put(static_cast<char>(byte ^ 1));
+    }
+    [[nodiscard]] std::string read_error(std::uint32_t seed = default_seed) const {
+        const auto world = read_landscape(path_, seed);
+        return world ? "" : world.error().message();
+    }
+    [[nodiscard]] const std::string& path() const { return path_; }
+
+private:
+    std::string path_;
+};
+
+void expect_said(const std::string& message, const std::string& text) {
+    EXPECT_NE(message.find(text), std::string::npos) << message;
+}
+
+TEST_F(Landscape, DamagedFilesAreRefusedByName) {
+    const std::uintmax_t whole = std::filesystem::file_size(built_landscape());
+    EXPECT_FALSE(read_landscape("no/such/landscape.bin"));
+    EXPECT_FALSE(read_landscape(std::filesystem::temp_directory_path())); // a folder
+    expect_said(Damaged(0).read_error(), "size: is 0 bytes");
+    expect_said(Damaged(63).read_error(), "size: is 63 bytes");
+    expect_said(Damaged(64).read_error(), "size: is 64 bytes");
+    expect_said(Damaged(64).read_error(default_seed + 1), "seed: is 1 (expected 2)");
+    const struct {
+        std::streamoff at;
+        const char* says;
+    } flips[] = {{0, "magic"}, {8, "version: is 0 (expected 1)"}, {12, "header checksum"}, {48, "header checksum"}};
+    for (const auto& flip : flips) {
+        Damaged file(64);
+        file.flip(flip.at);
+        expect_said(file.read_error(), flip.says);
+        expect_said(file.read_error(), file.path());
+    }
+    Damaged file(whole);
+    EXPECT_EQ(file.read_error(), "");
+    const auto last = static_cast<std::streamoff>(whole) - 1;
+    file.flip(last);
+    expect_said(file.read_error(), "checksum: is not that of the file's content");
+    file.flip(last);
+    file.flip(64);
+    expect_said(file.read_error(), "checksum: is not that of the file's content");
+    std::filesystem::resize_file(file.path(), whole - 1);
+    expect_said(file.read_error(), "size: is " + std::to_string(whole - 1) + " bytes");
+}
+
+TEST_F(Landscape, IsWrittenWholeOrNotAtAll) {
+    EXPECT_FALSE(write_landscape(*world_, "no/such/folder/landscape.bin"));
+    const std::filesystem::path folder =
+        std::filesystem::path(::testing::TempDir()) / ("landscape-folder-" + std::to_string(getpid()));
+    std::filesystem::create_directory(folder);
+    const std::filesystem::path path = folder / "landscape.bin";
+    ASSERT_TRUE(write_landscape(*world_, path));
+    const auto read = read_landscape(path);
+    ASSERT_TRUE(read) << read.error().message();
+    EXPECT_EQ(difference(**read, *world_), "");
+    // Nothing else is left behind.
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+    std::filesystem::remove_all(folder);
+}
+
+TEST_F(Landscape, OpensTheFirstFileThatHoldsIt) {
+    const std::filesystem::path files[] = {"no/such/landscape.bin", built_landscape()};
+    const OpenedWorld opened = open_world(files);
+    EXPECT_FALSE(opened.generated);
+    ASSERT_EQ(opened.problems.size(), 1U);
+    expect_said(opened.problems[0].message(), "no/such/landscape.bin");
+    EXPECT_EQ(difference(*opened.world, *world_), "");
+}
+
+TEST_F(Landscape, IsAlpineAndFitsTogether) {
+    const World* world = world_.get();
     const Terrain& terrain = world->terrain;
 
     // A valley floor at 500 to 900 m between peaks of 2 to 3 km, and higher ones on the horizon.

@@ -1,19 +1,25 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <filesystem>
+#include <span>
 #include <string_view>
 
 #include <glm/geometric.hpp>
 
 #include "sandbox/app/game.hpp"
+#include "sandbox/world/landscape_file.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
 
-// The landscape takes a second to build: the tests share one game and enter scenes.
+// The landscape takes a while to load: the tests share one game and enter scenes.
 class GameTest : public ::testing::Test {
 protected:
-    static void SetUpTestSuite() { game_ = new Game(scene("alpine-morning")); }
+    static void SetUpTestSuite() {
+        const std::filesystem::path file = built_landscape();
+        game_ = new Game(scene("alpine-morning"), open_world(std::span(&file, 1)).world);
+    }
     static void TearDownTestSuite() {
         delete game_;
         game_ = nullptr;
