@@ -1,6 +1,6 @@
 #include <alpenglow/clouds/lighting.hpp>
 
-#include "fast_exp.hpp"
+#include "deposit.hpp"
 #include "transport.hpp"
 
 #include <alpenglow/core/constants.hpp>
@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <deque>
+#include <numeric>
 
 namespace alpenglow::clouds {
 namespace {
@@ -24,7 +26,23 @@ float dot(const glm::vec3& a, const glm::vec3& b) {
 
 } // namespace
 
-CloudLighting::CloudLighting() = default;
+// What is queued: a light's moments, or one channel of the sky's.
+struct CloudLighting::Jobs {
+    struct Item {
+        bool sky;
+        std::size_t index;
+        TransportJob job;
+    };
+    std::deque<Item> queue;
+
+    void drop(bool sky, std::size_t from_index, std::size_t to_index) {
+        std::erase_if(queue, [&](const Item& item) {
+            return item.sky == sky && item.index >= from_index && item.index < to_index;
+        });
+    }
+};
+
+CloudLighting::CloudLighting() : jobs_(std::make_unique<Jobs>()) {}
 CloudLighting::~CloudLighting() = default;
 CloudLighting::CloudLighting(CloudLighting&&) noexcept = default;
 CloudLighting& CloudLighting::operator=(CloudLighting&&) noexcept = default;
@@ -33,6 +51,7 @@ void CloudLighting::reset(const BrickVolume& volume, const Medium& medium, const
     volume_ = &volume;
     medium_ = medium;
     settings_ = settings;
+    jobs_->queue.clear();
     lights_.clear();
     sky_.clear();
     std::array<double, 4> chi{};
@@ -71,6 +90,54 @@ void CloudLighting::reset(const BrickVolume& volume, const Medium& medium, const
 }
 
 BakeStats CloudLighting::bake_light(std::size_t i, const DirectionalLight& light, bool warm) {
+    BakeStats stats = start_light(i, light, warm);
+    const BakeStats rest = finish();
+    stats.transport_s += rest.transport_s;
+    stats.residual = rest.residual;
+    return stats;
+}
+
+BakeStats CloudLighting::finish() {
+    BakeStats stats;
+    const double start = process_cpu_seconds();
+    while (!jobs_->queue.empty()) {
+        Jobs::Item& item = jobs_->queue.front();
+        item.job.run();
+        stats.residual = std::max(stats.residual, item.job.change());
+        (item.sky ? sky_[item.index] : lights_[item.index].moments) = item.job.moments();
+        jobs_->queue.pop_front();
+    }
+    stats.transport_s = process_cpu_seconds() - start;
+    return stats;
+}
+
+bool CloudLighting::working() const {
+    return !jobs_->queue.empty();
+}
+
+bool CloudLighting::working_on_light(std::size_t i) const {
+    return std::any_of(jobs_->queue.begin(), jobs_->queue.end(),
+                       [i](const Jobs::Item& item) { return !item.sky && item.index == i; });
+}
+
+bool CloudLighting::working_on_sky() const {
+    return std::any_of(jobs_->queue.begin(), jobs_->queue.end(), [](const Jobs::Item& item) { return item.sky; });
+}
+
+bool CloudLighting::advance() {
+    if (jobs_->queue.empty()) {
+        return false;
+    }
+    Jobs::Item& item = jobs_->queue.front();
+    item.job.advance();
+    if (item.job.done()) {
+        (item.sky ? sky_[item.index] : lights_[item.index].moments) = item.job.moments();
+        jobs_->queue.pop_front();
+    }
+    return true;
+}
+
+BakeStats CloudLighting::start_light(std::size_t i, const DirectionalLight& light, bool warm) {
     assert(volume_ != nullptr && i <= lights_.size());
     BakeStats stats;
     if (i == lights_.size()) {
@@ -84,7 +151,7 @@ BakeStats CloudLighting::bake_light(std::size_t i, const DirectionalLight& light
         baked.depth = Field16(depth_lattice_, std::vector<float>(depth_lattice_.cells(), 0.0F));
         return stats;
     }
-    double start = process_cpu_seconds();
+    const double start = process_cpu_seconds();
     const glm::vec3 voxel(volume_->transform().voxel_m);
     const glm::vec3 block = voxel * static_cast<float>(depth_lattice_.factor);
     if (settings_.method == LightingMethod::harris) {
@@ -96,11 +163,18 @@ BakeStats CloudLighting::bake_light(std::size_t i, const DirectionalLight& light
     }
     const float scaled_extinction = medium_.extinction_per_m * eye_extinction_;
     LightDepth depth = light_depth(depth_lattice_, depth_density_, block, baked.to_light, scaled_extinction);
+    // Depths beyond the table's end hold no light: the field's 16 bits are for the rest.
+    const auto field_of = [&](std::vector<float>&& values) {
+        const float most = 4.0F * table_->max_depth();
+        parallel_for(values.size(), 65536, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t c = begin; c < end; ++c) {
+                values[c] = std::min(values[c] * medium_.extinction_per_m, most);
+            }
+        });
+        return Field16(depth_lattice_, values);
+    };
     if (settings_.method != LightingMethod::transport) {
-        for (float& d : depth.depth) {
-            d = std::min(d * medium_.extinction_per_m, 4.0F * table_->max_depth());
-        }
-        baked.depth = Field16(depth_lattice_, depth.depth);
+        baked.depth = field_of(std::move(depth.depth));
         stats.depth_s = process_cpu_seconds() - start;
         return stats;
     }
@@ -115,7 +189,6 @@ BakeStats CloudLighting::bake_light(std::size_t i, const DirectionalLight& light
     const float fine_volume = block.x * block.y * block.z;
     const glm::vec3 coarse_block = voxel * static_cast<float>(coarse.factor);
     const float share = fine_volume / (coarse_block.x * coarse_block.y * coarse_block.z);
-    double total = 0.0;
     std::vector<int> coarse_x(static_cast<std::size_t>(depth_lattice_.dims.x));
     const auto coarse_of = [&](int axis, int cell) {
         const float centre = static_cast<float>(depth_lattice_.first[axis] + cell * depth_lattice_.factor) +
@@ -127,69 +200,78 @@ BakeStats CloudLighting::bake_light(std::size_t i, const DirectionalLight& light
     for (int x = 0; x < depth_lattice_.dims.x; ++x) {
         coarse_x[std::size_t(x)] = coarse_of(0, x);
     }
-    std::vector<float> line(static_cast<std::size_t>(depth_lattice_.dims.x));
-    for (int z = 0; z < depth_lattice_.dims.z; ++z) {
-        for (int y = 0; y < depth_lattice_.dims.y; ++y) {
-            const std::size_t row = (std::size_t(z) * std::size_t(depth_lattice_.dims.y) + std::size_t(y)) *
-                                    std::size_t(depth_lattice_.dims.x);
-            float* to = deposit.data() +
-                        (std::size_t(coarse_of(2, z)) * std::size_t(coarse.dims.y) + std::size_t(coarse_of(1, y))) *
-                            std::size_t(coarse.dims.x);
-            for (std::size_t x = 0; x < line.size(); ++x) {
-                const float s = scaled_extinction * depth_density_[row + x];
-                const float half = 0.5F * s * thickness;
-                // Mean of exp(-depth) over the slab: e^-depth sinh(h)/h = (e^(h - depth) - e^(-h - depth)) / (2 h).
-                const float tau = scaled_extinction * depth.depth[row + x];
-                const float mean =
-                    half > 1e-2F
-                        ? (exp_negative(std::min(half - tau, 0.0F)) - exp_negative(-half - tau)) / (2.0F * half)
-                        : exp_negative(-tau);
-                line[x] = s * mean;
-            }
-            for (std::size_t x = 0; x < line.size(); ++x) {
-                to[coarse_x[x]] += line[x];
-                total += double(line[x]);
+    // Fine slices by the coarse one that they lie in: threads own coarse slices.
+    std::vector<int> begin_of(static_cast<std::size_t>(coarse.dims.z) + 1, depth_lattice_.dims.z);
+    for (int z = depth_lattice_.dims.z - 1; z >= 0; --z) {
+        begin_of[std::size_t(coarse_of(2, z))] = z;
+    }
+    for (std::size_t c = std::size_t(coarse.dims.z); c-- > 0;) {
+        begin_of[c] = std::min(begin_of[c], begin_of[c + 1]);
+    }
+    std::vector<double> totals(static_cast<std::size_t>(coarse.dims.z), 0.0);
+    parallel_for(std::size_t(coarse.dims.z), 2, [&](std::size_t begin, std::size_t end) {
+        std::vector<float> line(static_cast<std::size_t>(depth_lattice_.dims.x));
+        for (std::size_t slice = begin; slice < end; ++slice) {
+            for (int z = begin_of[slice]; z < begin_of[slice + 1]; ++z) {
+                for (int y = 0; y < depth_lattice_.dims.y; ++y) {
+                    const std::size_t row = (std::size_t(z) * std::size_t(depth_lattice_.dims.y) + std::size_t(y)) *
+                                            std::size_t(depth_lattice_.dims.x);
+                    float* to = deposit.data() + (slice * std::size_t(coarse.dims.y) + std::size_t(coarse_of(1, y))) *
+                                                     std::size_t(coarse.dims.x);
+                    deposit_row(depth_density_.data() + row, depth.depth.data() + row, scaled_extinction, thickness,
+                                line.data(), static_cast<int>(line.size()));
+                    for (std::size_t x = 0; x < line.size(); ++x) {
+                        to[coarse_x[x]] += line[x];
+                        totals[slice] += double(line[x]);
+                    }
+                }
             }
         }
-    }
+    });
+    const double total = std::accumulate(totals.begin(), totals.end(), 0.0);
     const auto rescale = static_cast<float>(total > 0.0 ? depth.removed_m2 / (total * double(fine_volume)) : 1.0);
     for (std::size_t c = 0; c < deposit.size(); ++c) {
         deposit[c] = transport_->extinction()[c] > 0.0F ? deposit[c] * share * rescale : 0.0F;
     }
-    for (float& d : depth.depth) {
-        d = std::min(d * medium_.extinction_per_m, 4.0F * table_->max_depth());
-    }
-    baked.depth = Field16(depth_lattice_, depth.depth);
+    baked.depth = field_of(std::move(depth.depth));
     stats.depth_s = process_cpu_seconds() - start;
-    start = process_cpu_seconds();
     if (!warm) {
         baked.moments.clear();
     }
-    const bool kept = !baked.moments.empty();
-    const Transport::Source source{deposit.data(), baked.to_light, nullptr};
-    stats.residual = transport_->solve(source, kept ? settings_.warm_sweeps : settings_.sweeps, baked.moments);
-    stats.transport_s = process_cpu_seconds() - start;
+    jobs_->drop(false, i, i + 1);
+    TransportJob::Source source;
+    source.deposit = std::move(deposit);
+    source.to_light = baked.to_light;
+    const int sweeps = baked.moments.empty() ? settings_.sweeps : settings_.warm_sweeps;
+    jobs_->queue.push_back({false, i, TransportJob(*transport_, std::move(source), sweeps, baked.moments)});
     return stats;
 }
 
 void CloudLighting::remove_lights(std::size_t keep) {
     if (keep < lights_.size()) {
+        jobs_->drop(false, keep, lights_.size());
         lights_.resize(keep);
     }
 }
 
 BakeStats CloudLighting::bake_sky(const SkySh& sky, bool warm) {
-    assert(volume_ != nullptr);
-    BakeStats stats;
     const double start = process_cpu_seconds();
+    start_sky(sky, warm);
+    BakeStats stats = finish();
+    stats.transport_s = process_cpu_seconds() - start;
+    return stats;
+}
+
+void CloudLighting::start_sky(const SkySh& sky, bool warm) {
+    assert(volume_ != nullptr);
+    jobs_->drop(true, 0, 3);
     if (sky.bands == 0 || volume_->empty()) {
         sky_.clear();
-        return stats;
+        return;
     }
     if (settings_.method != LightingMethod::transport) {
         bake_sky_directly(sky);
-        stats.transport_s = process_cpu_seconds() - start;
-        return stats;
+        return;
     }
     // One solve does if all coefficients have one colour.
     const glm::vec3 colour = sky.coefficients[0];
@@ -208,21 +290,17 @@ BakeStats CloudLighting::bake_sky(const SkySh& sky, bool warm) {
     sky_colour_ = one ? colour / brightest : glm::vec3(1.0F);
     const Ordinate* table = ordinate_table();
     for (std::size_t channel = 0; channel < channels; ++channel) {
-        float inflow[ordinates];
+        TransportJob::Source source;
         for (int i = 0; i < ordinates; ++i) {
             const glm::vec3 from(volume_->transform().axes * glm::dvec3(-table[i].direction));
             const glm::vec3 rgb = sky.radiance(from);
             const float value =
                 one ? dot(rgb, colour) / dot(colour, colour) * brightest : rgb[static_cast<int>(channel)];
-            inflow[i] = std::max(value, 0.0F);
+            source.inflow[std::size_t(i)] = std::max(value, 0.0F);
         }
-        const bool kept = !sky_[channel].empty();
-        const Transport::Source source{nullptr, {0, 0, 1}, inflow};
-        stats.residual = std::max(
-            stats.residual, transport_->solve(source, kept ? settings_.warm_sweeps : settings_.sweeps, sky_[channel]));
+        const int sweeps = sky_[channel].empty() ? settings_.sweeps : settings_.warm_sweeps;
+        jobs_->queue.push_back({true, channel, TransportJob(*transport_, source, sweeps, sky_[channel])});
     }
-    stats.transport_s = process_cpu_seconds() - start;
-    return stats;
 }
 
 // For the classic methods: skylight as many directional lights (course notes, 2.3.1), singly scattered, gathered as

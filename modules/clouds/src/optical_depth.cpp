@@ -1,5 +1,8 @@
 #include <alpenglow/clouds/optical_depth.hpp>
 
+#include "deposit.hpp"
+#include "fast_exp.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optical_depth.cpp"
 #include <hwy/foreach_target.h>
@@ -33,6 +36,18 @@ void advance_row(const float* a, const float* b, float fu, float fv, float half_
     }
 }
 
+void deposit(const float* density, const float* depth, float extinction, float thickness, float* out, int count) {
+    for (int x = 0; x < count; ++x) {
+        const float s = extinction * density[x];
+        const float half = 0.5F * s * thickness;
+        const float tau = extinction * depth[x];
+        const float near = half - tau < 0.0F ? half - tau : 0.0F;
+        const float thick = (exp_negative(near) - exp_negative(-half - tau)) / (half > 1e-2F ? 2.0F * half : 1.0F);
+        const float thin = exp_negative(-tau);
+        out[x] = s * (half > 1e-2F ? thick : thin);
+    }
+}
+
 } // namespace alpenglow::clouds::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -49,6 +64,11 @@ namespace alpenglow::clouds {
 
 HWY_EXPORT(bilinear_row);
 HWY_EXPORT(advance_row);
+HWY_EXPORT(deposit);
+
+void deposit_row(const float* density, const float* depth, float extinction, float thickness, float* out, int count) {
+    HWY_DYNAMIC_DISPATCH(deposit)(density, depth, extinction, thickness, out, count);
+}
 
 Lattice lattice_over(const BrickVolume& volume, int factor, int margin, std::size_t max_cells) {
     Lattice lattice;
@@ -146,64 +166,78 @@ Columns sweep_columns(const Lattice& lattice, const std::vector<float>& density,
     const int v0 = static_cast<int>(std::floor(std::min(0.0F, reach(sv)))) - 2;
     const int columns_u = static_cast<int>(std::ceil(std::max(0.0F, reach(su)))) + nu + 3 - u0;
     const int columns_v = static_cast<int>(std::ceil(std::max(0.0F, reach(sv)))) + nv + 3 - v0;
-    std::vector<float> depth(std::size_t(columns_u) * std::size_t(columns_v), 0.0F);
-    std::vector<float> last(depth.size(), 0.0F);
-    // A slice with a border of zeros wide enough for columns that are one slab past it.
-    const int border = 4;
+    std::vector<float> behind(std::size_t(columns_u) * std::size_t(columns_v), 0.0F);
+    // Strips of columns go from the first slice to the last on their own; each carries the first row of the next as
+    // well, which its own read-back interpolates with.
+    constexpr int strip = 24;
+    // A slice has a border of zeros wide enough for columns that are one slab past it.
+    constexpr int border = 4;
     const int row = nu + 2 * border;
-    std::vector<float> slice(std::size_t(row) * std::size_t(nv + 2 * border), 0.0F);
-    std::vector<float> line(static_cast<std::size_t>(nu) + 8);
-
-    for (int k = 0; k < na; ++k) {
-        const std::size_t plane = std::size_t(d[axis] > 0.0F ? na - 1 - k : k) * strides[axis];
-        for (int v = 0; v < nv; ++v) {
-            const float* from = density.data() + plane + std::size_t(v) * strides[va];
-            float* to = slice.data() + std::size_t(v + border) * std::size_t(row) + border;
-            if (strides[ua] == 1) {
-                std::memcpy(to, from, std::size_t(nu) * sizeof(float));
-            } else {
-                for (int u = 0; u < nu; ++u) {
-                    to[u] = from[std::size_t(u) * strides[ua]];
+    const auto strips = static_cast<std::size_t>((columns_v + strip - 1) / strip);
+    parallel_for(strips, 1, [&](std::size_t number, std::size_t) {
+        const int first =
+            v0 + static_cast<int>(number) * strip; // this strip's rows of columns: first .. first + count - 1
+        const int count = std::min(strip, v0 + columns_v - first);
+        std::vector<float> depth(std::size_t(columns_u) * std::size_t(count + 1), 0.0F);
+        std::vector<float> last(depth.size(), 0.0F);
+        std::vector<float> slice(std::size_t(row) * std::size_t(count + 2), 0.0F);
+        std::vector<float> line(static_cast<std::size_t>(nu) + 8);
+        for (int k = 0; k < na; ++k) {
+            const std::size_t plane = std::size_t(d[axis] > 0.0F ? na - 1 - k : k) * strides[axis];
+            const float shift_u = -su * static_cast<float>(k);
+            const float shift_v = -sv * static_cast<float>(k);
+            const auto iu = static_cast<int>(std::floor(shift_u));
+            const auto iv = static_cast<int>(std::floor(shift_v));
+            const float fu = shift_u - static_cast<float>(iu);
+            const float fv = shift_v - static_cast<float>(iv);
+            // Columns whose u = U + iu lies in -3 .. nu + 1: those that leave the slice drop to zero density there.
+            const int begin_u = std::max(u0, -3 - iu);
+            const int end_u = std::min(u0 + columns_u, nu + 2 - iu);
+            const int begin_v = std::max(first, -3 - iv);
+            const int end_v = std::min({first + count + 1, v0 + columns_v, nv + 2 - iv});
+            for (int v = begin_v + iv; v < end_v + iv + 1 && begin_v < end_v; ++v) {
+                float* to = slice.data() + std::size_t(v - first - iv) * std::size_t(row) + border;
+                const float* from = density.data() + plane + std::size_t(std::clamp(v, 0, nv - 1)) * strides[va];
+                if (v < 0 || v >= nv) {
+                    std::fill_n(to, nu, 0.0F);
+                } else if (strides[ua] == 1) {
+                    std::memcpy(to, from, std::size_t(nu) * sizeof(float));
+                } else {
+                    for (int u = 0; u < nu; ++u) {
+                        to[u] = from[std::size_t(u) * strides[ua]];
+                    }
+                }
+            }
+            for (int v = begin_v; v < end_v; ++v) {
+                const float* a = slice.data() + std::size_t(v - first) * std::size_t(row) + (begin_u + iu + border);
+                const std::size_t column = std::size_t(v - first) * std::size_t(columns_u) + std::size_t(begin_u - u0);
+                advance(a, a + row, fu, fv, last.data() + column, depth.data() + column, end_u - begin_u, k, metres);
+            }
+            // Back at block centres: U = u - shift_u.
+            const auto ju = static_cast<int>(std::floor(-shift_u));
+            const auto jv = static_cast<int>(std::floor(-shift_v));
+            const float gu = -shift_u - static_cast<float>(ju);
+            const float gv = -shift_v - static_cast<float>(jv);
+            for (int v = std::max(0, first - jv); v < std::min(nv, first + count - jv); ++v) {
+                const float* a =
+                    depth.data() + std::size_t(v + jv - first) * std::size_t(columns_u) + std::size_t(ju - u0);
+                float* to = out.data() + plane + std::size_t(v) * strides[va];
+                if (strides[ua] == 1) {
+                    HWY_DYNAMIC_DISPATCH(bilinear_row)(a, a + columns_u, gu, gv, to, nu);
+                } else {
+                    HWY_DYNAMIC_DISPATCH(bilinear_row)(a, a + columns_u, gu, gv, line.data(), nu);
+                    for (int u = 0; u < nu; ++u) {
+                        to[std::size_t(u) * strides[ua]] = line[std::size_t(u)];
+                    }
                 }
             }
         }
-        const float shift_u = -su * static_cast<float>(k);
-        const float shift_v = -sv * static_cast<float>(k);
-        const auto iu = static_cast<int>(std::floor(shift_u));
-        const auto iv = static_cast<int>(std::floor(shift_v));
-        const float fu = shift_u - static_cast<float>(iu);
-        const float fv = shift_v - static_cast<float>(iv);
-        // Columns whose u = U + iu lies in -3 .. nu + 1: those that leave the slice drop to zero density there.
-        const int begin_u = std::max(u0, -3 - iu);
-        const int end_u = std::min(u0 + columns_u, nu + 2 - iu);
-        const int begin_v = std::max(v0, -3 - iv);
-        const int end_v = std::min(v0 + columns_v, nv + 2 - iv);
-        for (int v = begin_v; v < end_v; ++v) {
-            const float* a = slice.data() + std::size_t(v + iv + border) * std::size_t(row) + (begin_u + iu + border);
-            const std::size_t column = std::size_t(v - v0) * std::size_t(columns_u) + std::size_t(begin_u - u0);
-            advance(a, a + row, fu, fv, last.data() + column, depth.data() + column, end_u - begin_u, k, metres);
-        }
-        // Back at block centres: U = u - shift_u.
-        const auto ju = static_cast<int>(std::floor(-shift_u));
-        const auto jv = static_cast<int>(std::floor(-shift_v));
-        const float gu = -shift_u - static_cast<float>(ju);
-        const float gv = -shift_v - static_cast<float>(jv);
-        for (int v = 0; v < nv; ++v) {
-            const float* a = depth.data() + std::size_t(v + jv - v0) * std::size_t(columns_u) + std::size_t(ju - u0);
-            float* to = out.data() + plane + std::size_t(v) * strides[va];
-            if (strides[ua] == 1) {
-                HWY_DYNAMIC_DISPATCH(bilinear_row)(a, a + columns_u, gu, gv, to, nu);
-            } else {
-                HWY_DYNAMIC_DISPATCH(bilinear_row)(a, a + columns_u, gu, gv, line.data(), nu);
-                for (int u = 0; u < nu; ++u) {
-                    to[std::size_t(u) * strides[ua]] = line[std::size_t(u)];
-                }
-            }
-        }
-    }
+        std::copy_n(depth.begin(), std::size_t(columns_u) * std::size_t(count),
+                    behind.begin() + static_cast<std::ptrdiff_t>(std::size_t(first - v0) * std::size_t(columns_u)));
+    });
     const double area =
         double(block_m[ua]) * double(block_m[va]) * double(std::abs(to_light[axis])); // across the light
-    return {std::move(depth), area};
+    return {std::move(behind), area};
 }
 
 } // namespace

@@ -39,6 +39,18 @@ typedef float F16 __attribute__((vector_size(64), aligned(4)));
 #define ALPENGLOW_LOAD8(p) (*reinterpret_cast<const F8*>(p))
 #define ALPENGLOW_STORE8(p, v) (*reinterpret_cast<F8*>(p) = (v))
 
+HWY_INLINE bool any_lane(I8 mask) {
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
+    return _mm256_movemask_ps(reinterpret_cast<__m256>(mask)) != 0;
+#else
+    int any = 0;
+    for (int l = 0; l < 8; ++l) {
+        any |= mask[l];
+    }
+    return any != 0;
+#endif
+}
+
 // Eight ordinates of one octant through the whole lattice. faces_y: nx * 8, faces_z: nx * ny * 8. Adds to moments.
 void sweep_octant(const SweepInput& in, const OctantTables& t, float* faces_y, float* faces_z, float* moments) {
     const F8 ax = ALPENGLOW_LOAD8(t.ax);
@@ -85,11 +97,7 @@ void sweep_octant(const SweepInput& in, const OctantTables& t, float* faces_y, f
                 F8 oy = centre + centre - py;
                 F8 oz = centre + centre - pz;
                 const I8 bad = ((ox < zero) | (oy < zero) | (oz < zero)) & (source >= zero);
-                int any = 0;
-                for (int l = 0; l < 8; ++l) {
-                    any |= bad[l];
-                }
-                if (any != 0) {
+                if (any_lane(bad)) {
                     // The step scheme, positive and conservative, for the ordinates whose diamonds would turn negative.
                     const F8 step = (source + 0.5F * (ax * px + ay * py + az * pz)) / (0.5F * asum + s);
                     centre = bad ? step : centre;
@@ -295,9 +303,6 @@ void Transport::make_levels() {
             level.inverse_diagonal[p] = 1.0F / (level.absorption[p] + outside[i] + level.gx[p] + level.gx[p - 1] +
                                                 level.gy[p] + level.gy[p - sy] + level.gz[p] + level.gz[p - sz]);
         }
-        level.x.assign(level.gx.size(), 0.0F);
-        level.b = level.x;
-        level.r = level.x;
         if (std::max({d.x, d.y, d.z}) <= 3) {
             break;
         }
@@ -379,52 +384,68 @@ double inner(const std::vector<float>& a, const std::vector<float>& b) {
 
 } // namespace
 
-// level.x ~ A^-1 level.b: two damped Jacobi steps before and after, so that the cycle is symmetric.
-void Transport::v_cycle(std::size_t number) const {
+Transport::Scratch Transport::make_scratch() const {
+    Scratch scratch;
+    for (const Level& level : levels_) {
+        const std::vector<float> zeros(level.gx.size(), 0.0F);
+        scratch.x.push_back(zeros);
+        scratch.b.push_back(zeros);
+        scratch.r.push_back(zeros);
+    }
+    return scratch;
+}
+
+// x ~ A^-1 b: two damped Jacobi steps before and after, so that the cycle is symmetric.
+void Transport::v_cycle(Scratch& scratch, std::size_t number) const {
     const Level& l = levels_[number];
+    std::vector<float>& x = scratch.x[number];
+    const std::vector<float>& b = scratch.b[number];
+    std::vector<float>& r = scratch.r[number];
     const std::size_t cells = cells_of(l);
     for (std::size_t i = 0; i < cells; ++i) { // the first step from zero
-        l.x[l.pad + i] = 0.8F * l.inverse_diagonal[l.pad + i] * l.b[l.pad + i];
+        x[l.pad + i] = 0.8F * l.inverse_diagonal[l.pad + i] * b[l.pad + i];
     }
     if (number + 1 == levels_.size()) {
         for (int i = 0; i < 12; ++i) {
-            smooth(l, l.x, l.b, l.r);
+            smooth(l, x, b, r);
         }
         return;
     }
-    smooth(l, l.x, l.b, l.r);
-    residual_of(l, l.x, l.b, l.r);
+    smooth(l, x, b, r);
+    residual_of(l, x, b, r);
     const Level& c = levels_[number + 1];
-    std::fill(c.b.begin(), c.b.end(), 0.0F);
+    std::vector<float>& coarse_b = scratch.b[number + 1];
+    std::fill(coarse_b.begin(), coarse_b.end(), 0.0F);
     for (int z = 0; z < l.dims.z; ++z) {
         for (int y = 0; y < l.dims.y; ++y) {
-            const float* r =
-                l.r.data() + l.pad + (std::size_t(z) * std::size_t(l.dims.y) + std::size_t(y)) * std::size_t(l.dims.x);
-            float* b = c.b.data() + c.pad +
-                       (std::size_t(z / 2) * std::size_t(c.dims.y) + std::size_t(y / 2)) * std::size_t(c.dims.x);
-            for (int x = 0; x < l.dims.x; ++x) {
-                b[x / 2] += r[x];
+            const float* row =
+                r.data() + l.pad + (std::size_t(z) * std::size_t(l.dims.y) + std::size_t(y)) * std::size_t(l.dims.x);
+            float* to = coarse_b.data() + c.pad +
+                        (std::size_t(z / 2) * std::size_t(c.dims.y) + std::size_t(y / 2)) * std::size_t(c.dims.x);
+            for (int i = 0; i < l.dims.x; ++i) {
+                to[i / 2] += row[i];
             }
         }
     }
-    v_cycle(number + 1);
+    v_cycle(scratch, number + 1);
     for (int z = 0; z < l.dims.z; ++z) {
         for (int y = 0; y < l.dims.y; ++y) {
-            float* x_fine =
-                l.x.data() + l.pad + (std::size_t(z) * std::size_t(l.dims.y) + std::size_t(y)) * std::size_t(l.dims.x);
-            const float* x_coarse =
-                c.x.data() + c.pad +
+            float* fine =
+                x.data() + l.pad + (std::size_t(z) * std::size_t(l.dims.y) + std::size_t(y)) * std::size_t(l.dims.x);
+            const float* coarse =
+                scratch.x[number + 1].data() + c.pad +
                 (std::size_t(z / 2) * std::size_t(c.dims.y) + std::size_t(y / 2)) * std::size_t(c.dims.x);
-            for (int x = 0; x < l.dims.x; ++x) {
-                x_fine[x] += x_coarse[x / 2];
+            for (int i = 0; i < l.dims.x; ++i) {
+                fine[i] += coarse[i / 2];
             }
         }
     }
-    smooth(l, l.x, l.b, l.r);
-    smooth(l, l.x, l.b, l.r);
+    smooth(l, x, b, r);
+    smooth(l, x, b, r);
 }
 
-void Transport::p1_solve(const std::vector<float>& rhs, std::vector<float>& x, int iterations, float tolerance) const {
+void Transport::p1_solve(Scratch& scratch, const std::vector<float>& rhs, std::vector<float>& x, int iterations,
+                         float tolerance) const {
     const Level& l = levels_.front();
     const double norm = inner(rhs, rhs);
     if (!(norm > 0.0)) {
@@ -438,15 +459,16 @@ void Transport::p1_solve(const std::vector<float>& rhs, std::vector<float>& x, i
     const std::vector<float> zeros(rhs.size(), 0.0F);
     std::vector<float> ap(rhs.size(), 0.0F);
     for (int i = 0; i < iterations && inner(r, r) > double(tolerance) * double(tolerance) * norm; ++i) {
-        l.b = r;
-        v_cycle(0);
-        const double now = inner(r, l.x);
+        scratch.b[0] = r;
+        v_cycle(scratch, 0);
+        const std::vector<float>& preconditioned = scratch.x[0];
+        const double now = inner(r, preconditioned);
         if (!(now > 0.0)) {
             return;
         }
         const auto beta = static_cast<float>(i == 0 ? 0.0 : now / rz);
         for (std::size_t j = 0; j < rhs.size(); ++j) {
-            p[j] = l.x[j] + beta * p[j];
+            p[j] = preconditioned[j] + beta * p[j];
         }
         rz = now;
         residual_of(l, p, zeros, ap); // -A p
@@ -462,8 +484,8 @@ void Transport::p1_solve(const std::vector<float>& rhs, std::vector<float>& x, i
     }
 }
 
-void Transport::p1_correct(const std::vector<float>& source0, const std::vector<glm::vec3>& source1, bool start,
-                           float inflow, RadianceMoments& moments) const {
+void Transport::p1_correct(Scratch& scratch, const std::vector<float>& source0, const std::vector<glm::vec3>& source1,
+                           bool start, float inflow, RadianceMoments& moments) const {
     const Level& l = levels_.front();
     const glm::ivec3 n = lattice_.dims;
     const std::size_t strides[3] = {1, std::size_t(n.x), std::size_t(n.x) * std::size_t(n.y)};
@@ -497,7 +519,7 @@ void Transport::p1_correct(const std::vector<float>& source0, const std::vector<
         std::fill(flux.begin() + static_cast<std::ptrdiff_t>(l.pad), flux.end() - static_cast<std::ptrdiff_t>(l.pad),
                   isotropic);
     }
-    p1_solve(rhs, flux, start ? 12 : 3, start ? 1e-3F : 5e-2F);
+    p1_solve(scratch, rhs, flux, start ? 4 : 1, start ? 1e-3F : 5e-2F);
     for (std::size_t number = 0; number < active_count_; ++number) {
         const auto i = static_cast<std::size_t>(cell_of_[number]);
         const std::size_t p = l.pad + i;
@@ -529,19 +551,55 @@ void Transport::p1_correct(const std::vector<float>& source0, const std::vector<
     }
 }
 
-float Transport::solve(const Source& source, int sweeps, RadianceMoments& moments) const {
-    const bool warm = moments.size() == 16 * active_count_;
-    if (active_count_ == 0) {
-        moments.clear();
-        return 0.0F;
+struct TransportJob::State {
+    const Transport* transport;
+    Source source;
+    int sweeps;
+    int sweep = 0;
+    int slice = 0; // 0: begin; 1 .. 8: octants; 9: end
+    bool started;
+    float change = 0.0F;
+    float last_change = 1e30F;
+    float scatter[16];
+    float beam[16];
+    std::array<OctantTables, 8> octants;
+    RadianceMoments moments;
+    std::vector<float> emission;
+    std::array<RadianceMoments, 2> swept; // of even and odd octants: fixed, so that sums do not depend on threads
+    std::vector<float> source0;
+    std::vector<glm::vec3> source1;
+    Transport::Scratch scratch;
+    std::vector<float> faces_y[2], faces_z[2];
+
+    void sweep_one(std::size_t octant) {
+        const Transport& t = *transport;
+        const SweepInput input{t.lattice_.dims.x, t.lattice_.dims.y, t.lattice_.dims.z,
+                               t.sigma_.data(),   t.active_.data(),  emission.data()};
+        const std::size_t group = octant & 1;
+        HWY_DYNAMIC_DISPATCH(sweep_octant)
+        (input, octants[octant], faces_y[group].data(), faces_z[group].data(), swept[group].data());
+    }
+};
+
+TransportJob::~TransportJob() = default;
+TransportJob::TransportJob(TransportJob&&) noexcept = default;
+TransportJob& TransportJob::operator=(TransportJob&&) noexcept = default;
+
+TransportJob::TransportJob(const Transport& transport, Source source, int sweeps, RadianceMoments start)
+    : state_(std::make_unique<State>()) {
+    State& s = *state_;
+    s.transport = &transport;
+    s.source = std::move(source);
+    s.sweeps = transport.active_count_ == 0 ? 0 : sweeps;
+    s.moments = std::move(start);
+    s.started = s.moments.size() == 16 * transport.active_count_;
+    if (!s.started) {
+        s.moments.assign(16 * transport.active_count_, 0.0F);
     }
     const Ordinate* table = ordinate_table();
-    constexpr float y0 = 0.28209479F;
-    constexpr float y1 = 0.48860251F;
-    // Tables of each octant.
-    std::vector<OctantTables> octants(8);
+    const glm::vec3& block = transport.block_m_;
     for (int o = 0; o < 8; ++o) {
-        OctantTables& t = octants[std::size_t(o)];
+        OctantTables& t = s.octants[std::size_t(o)];
         t.sx = o & 1 ? -1 : 1;
         t.sy = o & 2 ? -1 : 1;
         t.sz = o & 4 ? -1 : 1;
@@ -549,105 +607,144 @@ float Transport::solve(const Source& source, int sweeps, RadianceMoments& moment
             const Ordinate& ordinate = table[8 * o + i];
             float y[16];
             sh_bands4(ordinate.direction, y);
-            t.ax[i] = 2.0F * std::abs(ordinate.direction.x) / block_m_.x;
-            t.ay[i] = 2.0F * std::abs(ordinate.direction.y) / block_m_.y;
-            t.az[i] = 2.0F * std::abs(ordinate.direction.z) / block_m_.z;
+            t.ax[i] = 2.0F * std::abs(ordinate.direction.x) / block.x;
+            t.ay[i] = 2.0F * std::abs(ordinate.direction.y) / block.y;
+            t.az[i] = 2.0F * std::abs(ordinate.direction.z) / block.z;
             t.sum[i] = t.ax[i] + t.ay[i] + t.az[i];
-            t.inflow[i] = source.inflow != nullptr ? source.inflow[8 * o + i] : 0.0F;
+            t.inflow[i] = s.source.inflow[std::size_t(8 * o + i)];
             for (int k = 0; k < 16; ++k) {
                 t.y[k][i] = y[k];
                 t.w[i][k] = y[k] * ordinate.weight;
             }
         }
     }
-    float inflow = 0.0F;
-    if (source.inflow != nullptr) {
-        for (int i = 0; i < ordinates; ++i) {
-            inflow += source.inflow[i] * table[i].weight * static_cast<float>(0.25 / pi);
-        }
-    }
     // The beam's first collisions: moments of the direction that it travels in.
-    float beam[16] = {};
     const auto band = [](int k) { return std::size_t(k == 0 ? 0 : (k < 4 ? 1 : (k < 9 ? 2 : 3))); };
-    float scatter[16];
-    sh_bands4(-source.to_light, beam);
+    sh_bands4(-s.source.to_light, s.beam);
     for (int k = 0; k < 16; ++k) {
-        scatter[k] = static_cast<float>(scaled_.albedo * scaled_.moments[band(k)]);
-        beam[k] *= scatter[k];
+        s.scatter[k] = static_cast<float>(transport.scaled_.albedo * transport.scaled_.moments[band(k)]);
+        s.beam[k] *= s.scatter[k];
     }
+    s.source0.assign(transport.sigma_.size(), 0.0F);
+    s.source1.assign(transport.sigma_.size(), glm::vec3(0.0F));
+    s.emission.resize(16 * transport.active_count_);
+    s.scratch = transport.make_scratch();
+    for (int group = 0; group < 2; ++group) {
+        s.swept[std::size_t(group)].resize(16 * transport.active_count_);
+        s.faces_y[group].resize(8 * std::size_t(transport.lattice_.dims.x));
+        s.faces_z[group].resize(8 * std::size_t(transport.lattice_.dims.x) * std::size_t(transport.lattice_.dims.y));
+    }
+}
 
-    std::vector<float> source0(sigma_.size(), 0.0F);
-    std::vector<glm::vec3> source1(sigma_.size(), glm::vec3(0.0F));
-    if (!warm) {
-        moments.assign(16 * active_count_, 0.0F);
-        if (source.deposit != nullptr) {
-            for (std::size_t number = 0; number < active_count_; ++number) {
-                const auto i = static_cast<std::size_t>(cell_of_[number]);
-                source0[i] = scatter[0] * source.deposit[i];
-                source1[i] = -source.to_light * (scatter[1] * source.deposit[i]);
-            }
+bool TransportJob::done() const {
+    return state_->sweep >= state_->sweeps && state_->started;
+}
+const RadianceMoments& TransportJob::moments() const {
+    return state_->moments;
+}
+float TransportJob::change() const {
+    return state_->change;
+}
+
+void TransportJob::begin_sweep() {
+    State& s = *state_;
+    const Transport& t = *s.transport;
+    for (RadianceMoments& swept : s.swept) {
+        std::fill(swept.begin(), swept.end(), 0.0F);
+    }
+    for (std::size_t number = 0; number < t.active_count_; ++number) {
+        const auto i = static_cast<std::size_t>(t.cell_of_[number]);
+        const float sigma = t.sigma_[i];
+        const float d = s.source.deposit.empty() ? 0.0F : s.source.deposit[i];
+        float* q = s.emission.data() + 16 * number;
+        const float* m = s.moments.data() + 16 * number;
+        for (int k = 0; k < 16; ++k) {
+            q[k] = sigma * s.scatter[k] * m[k] + d * s.beam[k];
         }
-        p1_correct(source0, source1, true, inflow, moments);
     }
+}
 
-    constexpr std::size_t groups = 2; // of octants, swept side by side; fixed, so that sums do not depend on threads
-    std::vector<float> emission(16 * active_count_);
-    std::vector<RadianceMoments> swept(groups, RadianceMoments(16 * active_count_));
-    RadianceMoments best;
-    float change = 0.0F;
-    float last_change = 1e30F;
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-        parallel_for(active_count_, 8192, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t number = begin; number < end; ++number) {
-                const auto i = static_cast<std::size_t>(cell_of_[number]);
-                const float s = sigma_[i];
-                const float d = source.deposit != nullptr ? source.deposit[i] : 0.0F;
-                float* q = emission.data() + 16 * number;
-                const float* m = moments.data() + 16 * number;
-                for (int k = 0; k < 16; ++k) {
-                    q[k] = s * scatter[k] * m[k] + d * beam[k];
+void TransportJob::end_sweep() {
+    State& s = *state_;
+    const Transport& t = *s.transport;
+    constexpr float y0 = 0.28209479F;
+    constexpr float y1 = 0.48860251F;
+    double moved = 0.0;
+    double whole = 0.0;
+    for (std::size_t number = 0; number < t.active_count_; ++number) {
+        const auto i = static_cast<std::size_t>(t.cell_of_[number]);
+        float* a = s.swept[0].data() + 16 * number;
+        const float* b = s.swept[1].data() + 16 * number;
+        const float* old = s.moments.data() + 16 * number;
+        for (int k = 0; k < 16; ++k) {
+            a[k] += b[k];
+        }
+        const float sigma = t.sigma_[i];
+        s.source0[i] = sigma * s.scatter[0] * (a[0] - old[0]) / y0;
+        s.source1[i] = glm::vec3(-(a[3] - old[3]), -(a[1] - old[1]), a[2] - old[2]) * (sigma * s.scatter[1] / y1);
+        moved += double(a[0] - old[0]) * double(a[0] - old[0]);
+        whole += double(a[0]) * double(a[0]);
+    }
+    s.change = static_cast<float>(std::sqrt(moved / std::max(whole, 1e-60)));
+    if (!(s.change <= 2.0F * s.last_change)) {
+        s.sweep = s.sweeps; // diverging (thick cells that diffusion and diamonds see differently): keep what there was
+        return;
+    }
+    s.last_change = s.change;
+    s.moments.swap(s.swept[0]);
+    if (s.change > 1e-6F) {
+        t.p1_correct(s.scratch, s.source0, s.source1, false, 0.0F, s.moments);
+    }
+    ++s.sweep;
+}
+
+void TransportJob::advance() {
+    State& s = *state_;
+    const Transport& t = *s.transport;
+    if (!s.started) {
+        s.started = true;
+        if (t.active_count_ == 0) {
+            return;
+        }
+        float inflow = 0.0F;
+        for (int i = 0; i < ordinates; ++i) {
+            inflow += s.source.inflow[std::size_t(i)] * ordinate_table()[i].weight * static_cast<float>(0.25 / pi);
+        }
+        for (std::size_t number = 0; number < t.active_count_ && !s.source.deposit.empty(); ++number) {
+            const auto i = static_cast<std::size_t>(t.cell_of_[number]);
+            s.source0[i] = s.scatter[0] * s.source.deposit[i];
+            s.source1[i] = -s.source.to_light * (s.scatter[1] * s.source.deposit[i]);
+        }
+        t.p1_correct(s.scratch, s.source0, s.source1, true, inflow, s.moments);
+        return;
+    }
+    if (done()) {
+        return;
+    }
+    if (s.slice == 0) {
+        begin_sweep();
+    } else if (s.slice <= 8) {
+        s.sweep_one(std::size_t(s.slice - 1));
+    } else {
+        end_sweep();
+    }
+    s.slice = s.slice == 9 ? 0 : s.slice + 1;
+}
+
+void TransportJob::run() {
+    State& s = *state_;
+    while (!done()) {
+        if (s.started && s.slice == 1) {
+            parallel_for(2, 1, [&](std::size_t group, std::size_t) {
+                for (std::size_t octant = group; octant < 8; octant += 2) {
+                    s.sweep_one(octant);
                 }
-            }
-        });
-        const SweepInput input{lattice_.dims.x, lattice_.dims.y, lattice_.dims.z,
-                               sigma_.data(),   active_.data(),  emission.data()};
-        parallel_for(groups, 1, [&](std::size_t group, std::size_t) {
-            std::fill(swept[group].begin(), swept[group].end(), 0.0F);
-            std::vector<float> faces_y(8 * std::size_t(input.nx));
-            std::vector<float> faces_z(8 * std::size_t(input.nx) * std::size_t(input.ny));
-            for (std::size_t o = group; o < 8; o += groups) {
-                HWY_DYNAMIC_DISPATCH(sweep_octant)
-                (input, octants[o], faces_y.data(), faces_z.data(), swept[group].data());
-            }
-        });
-        double moved = 0.0;
-        double whole = 0.0;
-        for (std::size_t number = 0; number < active_count_; ++number) {
-            const auto i = static_cast<std::size_t>(cell_of_[number]);
-            float* a = swept[0].data() + 16 * number;
-            const float* b = swept[1].data() + 16 * number;
-            const float* old = moments.data() + 16 * number;
-            for (int k = 0; k < 16; ++k) {
-                a[k] += b[k];
-            }
-            const float s = sigma_[i];
-            source0[i] = s * scatter[0] * (a[0] - old[0]) / y0;
-            source1[i] = glm::vec3(-(a[3] - old[3]), -(a[1] - old[1]), a[2] - old[2]) * (s * scatter[1] / y1);
-            moved += double(a[0] - old[0]) * double(a[0] - old[0]);
-            whole += double(a[0]) * double(a[0]);
-        }
-        change = static_cast<float>(std::sqrt(moved / std::max(whole, 1e-60)));
-        if (!(change <= 2.0F * last_change)) {
-            return change; // diverging (thick cells that diffusion and diamonds see differently): keep what there was
-        }
-        last_change = change;
-        moments.swap(swept[0]);
-        if (change > 1e-6F) {
-            p1_correct(source0, source1, false, 0.0F, moments);
+            });
+            s.slice = 9;
+        } else {
+            advance();
         }
     }
-    static_cast<void>(best);
-    return change;
 }
 
 } // namespace alpenglow::clouds

@@ -6,7 +6,9 @@
 // by conjugate gradients with a multigrid V-cycle before them.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -36,17 +38,6 @@ public:
     Transport(const Lattice& lattice, const std::vector<float>& density, const glm::vec3& block_m,
               const Medium& medium);
 
-    struct Source {
-        const float* deposit =
-            nullptr;                   // irradiance that the beam loses in a cell, 1/m a unit irradiance; null: no beam
-        glm::vec3 to_light{0, 0, 1};   // grid frame
-        const float* inflow = nullptr; // radiance that enters along each ordinate; null: 0
-    };
-
-    // Iterates `sweeps` times from `moments` if it has the right size (a warm start), else from a P1 solution.
-    // Returns the relative change of the scalar flux in the last sweep.
-    float solve(const Source& source, int sweeps, RadianceMoments& moments) const;
-
     [[nodiscard]] const Lattice& lattice() const { return lattice_; }
     [[nodiscard]] const ScaledMedium& scaled() const { return scaled_; }
     [[nodiscard]] const std::vector<std::int32_t>& active() const { return active_; } // of each cell: its number, or -1
@@ -59,16 +50,22 @@ public:
         glm::ivec3 dims;
         std::size_t pad = 0; // zeros before and after each array, so that neighbours can be read without a test
         std::vector<float> gx, gy, gz, absorption, inverse_diagonal;
-        mutable std::vector<float> x, b, r;
     };
 
 private:
+    friend class TransportJob;
+    // A V-cycle's vectors, one set a level: each job has its own.
+    struct Scratch {
+        std::vector<std::vector<float>> x, b, r;
+    };
+    [[nodiscard]] Scratch make_scratch() const;
     void make_levels();
-    void p1_solve(const std::vector<float>& rhs, std::vector<float>& x, int iterations, float tolerance) const;
-    void v_cycle(std::size_t level) const;
-    // delta-moments of a P1 solve for the isotropic and the current source (per cell, dense), added to `moments`.
-    void p1_correct(const std::vector<float>& source0, const std::vector<glm::vec3>& source1, bool start, float inflow,
-                    RadianceMoments& moments) const;
+    void p1_solve(Scratch& scratch, const std::vector<float>& rhs, std::vector<float>& x, int iterations,
+                  float tolerance) const;
+    void v_cycle(Scratch& scratch, std::size_t level) const;
+    // P1 solution for isotropic and current sources (dense), added to `moments`. start: from the isotropic inflow.
+    void p1_correct(Scratch& scratch, const std::vector<float>& source0, const std::vector<glm::vec3>& source1,
+                    bool start, float inflow, RadianceMoments& moments) const;
 
     Lattice lattice_;
     glm::vec3 block_m_;
@@ -80,6 +77,37 @@ private:
     std::vector<float> transport_; // transport extinction with a floor in empty cells
     std::vector<float> boundary_;  // conductance to the outside
     std::vector<Level> levels_;
+};
+
+// One solution in the making. Slices of work are bounded (one octant's sweep at most), so that a bake can be spread
+// over frames; sliced or not, the bits are the same.
+class TransportJob {
+public:
+    struct Source {
+        std::vector<float>
+            deposit; // irradiance that the beam loses in each cell, 1/m a unit irradiance; empty: no beam
+        glm::vec3 to_light{0, 0, 1};           // grid frame
+        std::array<float, ordinates> inflow{}; // radiance that enters along each ordinate
+    };
+
+    // Iterates `sweeps` times from `start` if it has the right size (a warm start), else from a P1 solution.
+    // `transport` must outlive the job.
+    TransportJob(const Transport& transport, Source source, int sweeps, RadianceMoments start);
+    ~TransportJob();
+    TransportJob(TransportJob&&) noexcept;
+    TransportJob& operator=(TransportJob&&) noexcept;
+
+    [[nodiscard]] bool done() const;
+    void advance(); // one slice
+    void run();     // to the end, two octants at a time
+    [[nodiscard]] const RadianceMoments& moments() const;
+    [[nodiscard]] float change() const; // relative, of the scalar flux in the last sweep
+
+private:
+    struct State;
+    void begin_sweep();
+    void end_sweep();
+    std::unique_ptr<State> state_;
 };
 
 } // namespace alpenglow::clouds

@@ -26,7 +26,7 @@ struct LightingSettings {
     LightingMethod method = LightingMethod::transport;
     int depth_factor = 1;                               // voxels a side of the optical depth's blocks
     int transport_factor = 2;                           // and of the multiply scattered light's
-    int sweeps = 3;                                     // of the ordinates, from a cold start
+    int sweeps = 4;                                     // of the ordinates, from a cold start
     int warm_sweeps = 1;                                // and after a light has turned a little
     std::size_t max_depth_cells = std::size_t(6) << 20; // beyond, blocks grow
     std::size_t max_transport_cells = std::size_t(1) << 19;
@@ -63,6 +63,16 @@ public:
 
     // Bakes light i anew; from the light's last state if there is one and `warm`.
     BakeStats bake_light(std::size_t i, const DirectionalLight& light, bool warm = true);
+
+    // The same, spread out. start_* does what a frame needs at once (the optical depth, so that shadows follow the
+    // light) and queues the multiply scattered part; until that is done, the last state's serves. Starting what is
+    // queued already replaces it. advance() does one bounded slice of the queue and returns whether there was any.
+    BakeStats start_light(std::size_t i, const DirectionalLight& light, bool warm = true);
+    void start_sky(const SkySh& sky, bool warm = true);
+    bool advance();
+    [[nodiscard]] bool working() const;
+    [[nodiscard]] bool working_on_light(std::size_t i) const;
+    [[nodiscard]] bool working_on_sky() const;
     void remove_lights(std::size_t keep); // all but the first `keep`
     // A change of colour or strength alone costs nothing.
     void set_irradiance(std::size_t i, const glm::vec3& irradiance) { lights_[i].irradiance = irradiance; }
@@ -90,7 +100,9 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const;
 
 private:
+    struct Jobs;
     void bake_sky_directly(const SkySh& sky);
+    BakeStats finish();
     const BrickVolume* volume_ = nullptr;
     Medium medium_;
     LightingSettings settings_;
@@ -100,6 +112,7 @@ private:
     Lattice depth_lattice_;
     std::vector<float> depth_density_; // block means, kept between bakes
     std::unique_ptr<Transport> transport_;
+    std::unique_ptr<Jobs> jobs_;
     std::vector<BakedLight> lights_;
     std::vector<std::vector<float>> sky_; // moments; 1 or 3
     glm::vec3 sky_colour_{1.0F};          // of the single one
