@@ -10,6 +10,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "exponential-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace alpenglow::sky::HWY_NAMESPACE {
 namespace {
@@ -17,24 +19,6 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::ScalableTag<float>;
 using V = hn::Vec<D>;
-
-// e^x for x up to 88: 2^n times a polynomial on -ln2/2 .. ln2/2.
-HWY_INLINE V exponential(V x) {
-    const D d;
-    const hn::RebindToSigned<D> di;
-    const V held = hn::Max(hn::Min(x, hn::Set(d, 88.0F)), hn::Set(d, -87.0F));
-    const V n = hn::Round(hn::Mul(held, hn::Set(d, 1.44269504F)));
-    const V r = hn::NegMulAdd(n, hn::Set(d, -2.12194440e-4F), hn::NegMulAdd(n, hn::Set(d, 0.693359375F), held));
-    V p = hn::Set(d, 1.9875691500e-4F);
-    p = hn::MulAdd(p, r, hn::Set(d, 1.3981999507e-3F));
-    p = hn::MulAdd(p, r, hn::Set(d, 8.3334519073e-3F));
-    p = hn::MulAdd(p, r, hn::Set(d, 4.1665795894e-2F));
-    p = hn::MulAdd(p, r, hn::Set(d, 1.6666665459e-1F));
-    p = hn::MulAdd(p, r, hn::Set(d, 5.0000001201e-1F));
-    p = hn::MulAdd(hn::Mul(p, r), r, hn::Add(r, hn::Set(d, 1.0F)));
-    const auto bits = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
-    return hn::Mul(p, hn::BitCast(d, bits));
-}
 
 // Angle between unit vectors: 2 asin(chord / 2) to the nearer of the sun and its opposite.
 HWY_INLINE V angle(V x, V y, V z, V sx, V sy, V sz, V cosine) {
