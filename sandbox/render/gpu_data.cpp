@@ -128,6 +128,28 @@ glm::mat4 shadow_from_relative(const FrameData& frame, std::uint32_t size_px) {
             glm::vec4(-x / kHalfWidth, -y / kHalfWidth, 0.5F - z / (2.0F * kHalfDepth), 1.0F)};
 }
 
+namespace {
+
+// Light scattered once, level, at the azimuth of a horizon entry: the sun's by molecules (Rayleigh) and aerosol
+// (Henyey-Greenstein, g = 0.76), and the sky's own from all around; scaled to the luminance of the horizon there.
+glm::vec3 near_light(const FrameData& frame, const SkyExtract& sky, std::size_t entry) {
+    const auto luminance = [](const glm::vec3& rgb) { return glm::dot(rgb, {0.2126F, 0.7152F, 0.0722F}); };
+    const float half = static_cast<float>(entry) / 16.0F;
+    const float cosine = (1.0F - 2.0F * half * half) * std::sqrt(std::max(0.0F, 1.0F - frame.to_sun.z * frame.to_sun.z));
+    constexpr float g = 0.76F;
+    const float rayleigh_phase = 3.0F / (16.0F * kPi) * (1.0F + cosine * cosine);
+    const float spread = (1.0F - g) * (1.0F - g) + 2.0F * g * (1.0F - cosine);
+    const float mie_phase = (1.0F - g * g) / (4.0F * kPi * spread * std::sqrt(spread));
+    const glm::vec3 rayleigh = frame.rayleigh_per_m * std::exp(-frame.camera_m.z / frame.rayleigh_height_m);
+    const glm::vec3 mie = frame.mie_per_m * std::exp(-frame.camera_m.z / frame.mie_height_m);
+    const glm::vec3 phase = (rayleigh * rayleigh_phase + mie * mie_phase) / (rayleigh + mie);
+    const glm::vec3 light = frame.sun_illuminance_lux * phase + frame.air_radiance_cd_m2;
+    const float level = luminance(light);
+    return level > 0.0F ? light * (luminance(sky.horizon[entry]) / level) : sky.horizon[entry];
+}
+
+} // namespace
+
 gpu::FrameBlock make_frame_block(const FrameData& frame, const SkyExtract& sky, std::uint32_t height_px) {
     gpu::FrameBlock block{};
     const float exposure = frame.exposure;
@@ -163,6 +185,7 @@ gpu::FrameBlock make_frame_block(const FrameData& frame, const SkyExtract& sky, 
                           frame.sun_angular_radius_rad);
     for (std::size_t i = 0; i < sky.horizon.size(); ++i) {
         block.horizon_light[i] = with(sky.horizon[i] * exposure, 0.0F);
+        block.near_light[i] = with(near_light(frame, sky, i) * exposure, 0.0F);
     }
     return block;
 }

@@ -19,5 +19,6 @@ struct FrameBlock {
     vec4 sector;              // weights of the second azimuth for sun and moon, elevations of sun and moon
     uvec4 sun_sector;         // where the horizon towards the sun stands: word and shift of the two nearest azimuths
     uvec4 moon_sector;        // likewise
+    vec4 near_light[17];      // rgb: colour of light that a thin layer of air scatters, at the brightness of horizon_light
     vec4 horizon_light[17];   // rgb: radiance of the sky at the horizon, entry i at sin(azimuth from the sun / 2) = i / 16
 };
