@@ -560,6 +560,7 @@ struct TransportJob::State {
     bool started;
     float change = 0.0F;
     float last_change = 1e30F;
+    float brightest = 0.0F; // bound on the zeroth moment
     float scatter[16];
     float beam[16];
     std::array<OctantTables, 8> octants;
@@ -625,6 +626,9 @@ TransportJob::TransportJob(const Transport& transport, Source source, int sweeps
         s.scatter[k] = static_cast<float>(transport.scaled_.albedo * transport.scaled_.moments[band(k)]);
         s.beam[k] *= s.scatter[k];
     }
+    // No cell of a cloud that absorbs nothing sees more scalar flux than 4 pi times the inflow, or 8 times the irradiance.
+    s.brightest = 0.28209479F * (*std::max_element(s.source.inflow.begin(), s.source.inflow.end()) * 13.2F +
+                                 (s.source.deposit.empty() ? 0.0F : 8.0F));
     s.source0.assign(transport.sigma_.size(), 0.0F);
     s.source1.assign(transport.sigma_.size(), glm::vec3(0.0F));
     s.emission.resize(16 * transport.active_count_);
@@ -679,14 +683,21 @@ void TransportJob::end_sweep() {
         for (int k = 0; k < 16; ++k) {
             a[k] += b[k];
         }
+        // What radiance can be at all, with room for the lobes that truncated moments have: keeps media that three moments
+        // cannot describe (a needle of a backward peak) from feeding on themselves.
+        a[0] = std::clamp(a[0], 0.0F, s.brightest);
+        for (int k = 1; k < 16; ++k) {
+            const float most = 5.3F * a[0];
+            a[k] = std::clamp(a[k], -most, most);
+        }
         const float sigma = t.sigma_[i];
         s.source0[i] = sigma * s.scatter[0] * (a[0] - old[0]) / y0;
         s.source1[i] = glm::vec3(-(a[3] - old[3]), -(a[1] - old[1]), a[2] - old[2]) * (sigma * s.scatter[1] / y1);
         moved += double(a[0] - old[0]) * double(a[0] - old[0]);
         whole += double(a[0]) * double(a[0]);
     }
-    s.change = static_cast<float>(std::sqrt(moved / std::max(whole, 1e-60)));
-    if (!(s.change <= 2.0F * s.last_change)) {
+    s.change = whole > 0.0 ? static_cast<float>(std::min(std::sqrt(moved / whole), 1e30)) : 0.0F;
+    if (!(s.change <= 1.5F * s.last_change)) {
         s.sweep = s.sweeps; // diverging (thick cells that diffusion and diamonds see differently): keep what there was
         return;
     }
