@@ -1,0 +1,321 @@
+#include <alpenglow/impostors/reproject.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+#include <alpenglow/core/parallel_for.hpp>
+
+namespace alpenglow::impostors {
+namespace {
+
+// One texel's worth of a layer: radiance of both lights together, alpha, moments of depth.
+struct Sample {
+    glm::vec4 colour{0.0F};
+    glm::vec2 depth{0.0F};
+};
+
+// A layer as it is about to be drawn: which mips, with what lights.
+struct LayerView {
+    const Layer* layer = nullptr;
+    double w_plane = 0.0; // 1 / axis depth of its plane
+    double z_plane = 0.0;
+    int level = 0;     // the finer of two mips
+    float fine = 1.0F; // weight of the finer one
+    bool warped = false;
+};
+
+// How a layer is read.
+struct Reading {
+    LightGain gain;
+    Filter filter = Filter::bilinear;
+    bool open_edges = false;
+};
+
+Sample texel(const MipLevel& mip, const Reading& reading, int x, int y) {
+    const LightGain& gain = reading.gain;
+    if (reading.open_edges) {
+        x = std::clamp(x, 0, mip.width - 1);
+        y = std::clamp(y, 0, mip.height - 1);
+    } else if (x < 0 || y < 0 || x >= mip.width || y >= mip.height) {
+        return {};
+    }
+    const auto i = static_cast<std::size_t>(y * mip.width + x);
+    Sample s{mip.colour[i] * glm::vec4(gain.key, 1.0F), mip.depth[i]};
+    if (!mip.fill.empty()) {
+        s.colour += mip.fill[i] * glm::vec4(gain.fill, 0.0F);
+    }
+    return s;
+}
+
+// u, v in texels of this level, centres at halves; transparent outside.
+Sample bilinear(const MipLevel& mip, const Reading& reading, float u, float v) {
+    const float fx = std::floor(u - 0.5F);
+    const float fy = std::floor(v - 0.5F);
+    const int x = static_cast<int>(fx);
+    const int y = static_cast<int>(fy);
+    const float s = u - 0.5F - fx;
+    const float t = v - 0.5F - fy;
+    const Sample a = texel(mip, reading, x, y);
+    const Sample b = texel(mip, reading, x + 1, y);
+    const Sample c = texel(mip, reading, x, y + 1);
+    const Sample d = texel(mip, reading, x + 1, y + 1);
+    const float wa = (1.0F - s) * (1.0F - t);
+    const float wb = s * (1.0F - t);
+    const float wc = (1.0F - s) * t;
+    const float wd = s * t;
+    return {wa * a.colour + wb * b.colour + wc * c.colour + wd * d.colour,
+            wa * a.depth + wb * b.depth + wc * c.depth + wd * d.depth};
+}
+
+// Catmull and Rom's cubic, clamped to the range of the four texels around: no ringing, so no halo and no negative
+// light.
+Sample catmull_rom(const MipLevel& mip, const Reading& reading, float u, float v) {
+    const float fx = std::floor(u - 0.5F);
+    const float fy = std::floor(v - 0.5F);
+    const int x = static_cast<int>(fx);
+    const int y = static_cast<int>(fy);
+    const auto weights = [](float t) {
+        return std::array<float, 4>{((-0.5F * t + 1.0F) * t - 0.5F) * t, (1.5F * t - 2.5F) * t * t + 1.0F,
+                                    ((-1.5F * t + 2.0F) * t + 0.5F) * t, (0.5F * t - 0.5F) * t * t};
+    };
+    const std::array<float, 4> wx = weights(u - 0.5F - fx);
+    const std::array<float, 4> wy = weights(v - 0.5F - fy);
+    Sample sum;
+    glm::vec4 least(std::numeric_limits<float>::max());
+    glm::vec4 greatest(0.0F);
+    for (int j = 0; j < 4; ++j) {
+        for (int i = 0; i < 4; ++i) {
+            const Sample s = texel(mip, reading, x + i - 1, y + j - 1);
+            const float w = wx[static_cast<std::size_t>(i)] * wy[static_cast<std::size_t>(j)];
+            sum.colour += w * s.colour;
+            sum.depth += w * s.depth;
+            least = glm::min(least, s.colour);
+            greatest = glm::max(greatest, s.colour);
+        }
+    }
+    sum.colour = glm::clamp(sum.colour, least, greatest);
+    sum.depth.x = std::clamp(sum.depth.x, -sum.colour.w, sum.colour.w);
+    sum.depth.y = std::clamp(sum.depth.y, 0.0F, sum.colour.w);
+    return sum;
+}
+
+float bilinear_warp(const Layer& layer, float u, float v) {
+    const int width = layer.mips.front().width;
+    const int height = layer.mips.front().height;
+    const float x = std::clamp(u - 0.5F, 0.0F, static_cast<float>(width - 1));
+    const float y = std::clamp(v - 0.5F, 0.0F, static_cast<float>(height - 1));
+    const int x0 = static_cast<int>(x);
+    const int y0 = static_cast<int>(y);
+    const int x1 = std::min(x0 + 1, width - 1);
+    const int y1 = std::min(y0 + 1, height - 1);
+    const float s = x - static_cast<float>(x0);
+    const float t = y - static_cast<float>(y0);
+    const auto at = [&](int i, int j) { return layer.warp[static_cast<std::size_t>(j * width + i)]; };
+    return (1.0F - t) * ((1.0F - s) * at(x0, y0) + s * at(x1, y0)) + t * ((1.0F - s) * at(x0, y1) + s * at(x1, y1));
+}
+
+Sample fetch(const LayerView& view, const Reading& reading, float u, float v) {
+    const auto at = [&](int level) {
+        const float scale = 1.0F / static_cast<float>(1 << level);
+        const MipLevel& mip = view.layer->mips[static_cast<std::size_t>(level)];
+        return reading.filter == Filter::catmull_rom ? catmull_rom(mip, reading, u * scale, v * scale)
+                                                     : bilinear(mip, reading, u * scale, v * scale);
+    };
+    Sample s = at(view.level);
+    if (view.fine < 1.0F) {
+        const Sample coarse = at(view.level + 1);
+        s.colour = view.fine * s.colour + (1.0F - view.fine) * coarse.colour;
+        s.depth = view.fine * s.depth + (1.0F - view.fine) * coarse.depth;
+    }
+    return s;
+}
+
+// The pixels that any layer can reach: the projected corners of the first and the last slab.
+PixelRect footprint(const Capture& capture, const Frustum& view) {
+    double left = std::numeric_limits<double>::infinity();
+    double top = left;
+    double right = -left;
+    double bottom = -left;
+    const Frustum& c = capture.view;
+    for (const double z : {capture.layers.front().near_m, capture.layers.back().far_m}) {
+        for (int corner = 0; corner < 4; ++corner) {
+            const double u = (corner & 1) != 0 ? c.tan_right : c.tan_left;
+            const double v = (corner & 2) != 0 ? c.tan_top : c.tan_bottom;
+            const glm::dvec3 p = c.eye_m + z * (c.forward + u * c.right + v * c.up) - view.eye_m;
+            const double depth = glm::dot(p, view.forward);
+            if (!(depth > 1e-9 * glm::length(p))) {
+                return {0, 0, view.width, view.height};
+            }
+            const double x = (glm::dot(p, view.right) / depth - view.tan_left) * view.pixels_per_tan_x();
+            const double y = (view.tan_top - glm::dot(p, view.up) / depth) * view.pixels_per_tan_y();
+            left = std::min(left, x);
+            right = std::max(right, x);
+            top = std::min(top, y);
+            bottom = std::max(bottom, y);
+        }
+    }
+    const auto pixel = [](double v, int size) {
+        return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(size)));
+    };
+    return {pixel(std::floor(left), view.width), pixel(std::floor(top), view.height),
+            pixel(std::floor(right) + 1.0, view.width), pixel(std::floor(bottom) + 1.0, view.height)};
+}
+
+} // namespace
+
+float share_in_front(float alpha, float depth_1, float depth_2, float s) {
+    if (!(alpha > 1e-6F)) {
+        return depth_1 <= s * alpha ? 1.0F : 0.0F;
+    }
+    const float mean = depth_1 / alpha;
+    const float variance = std::max(0.0F, depth_2 / alpha - mean * mean);
+    const float half = std::sqrt(3.0F * variance);
+    if (half < 1e-6F) {
+        return mean <= s ? 1.0F : 0.0F;
+    }
+    return std::clamp(0.5F + 0.5F * (s - mean) / half, 0.0F, 1.0F);
+}
+
+std::size_t draw(const Capture& capture, const Frustum& view, const DrawSettings& settings,
+                 std::span<glm::vec4> image) {
+    assert(image.size() == static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
+    assert(settings.scene_depth_m.empty() || settings.scene_depth_m.size() == image.size());
+    if (capture.layers.empty() || !(settings.weight > 0.0F)) {
+        return 0;
+    }
+    const PixelRect rect = footprint(capture, view);
+    if (rect.empty()) {
+        return 0;
+    }
+    const Frustum& c = capture.view;
+    // The view's eye and rays in the capture's axes.
+    const auto local = [&c](const glm::dvec3& v) {
+        return glm::dvec3(glm::dot(v, c.right), glm::dot(v, c.up), glm::dot(v, c.forward));
+    };
+    const glm::dvec3 eye = local(view.eye_m - c.eye_m);
+    const glm::dvec3 ray_0 = local(view.direction(0.5, 0.5));
+    const glm::dvec3 ray_x = local(view.right) / view.pixels_per_tan_x();
+    const glm::dvec3 ray_y = -local(view.up) / view.pixels_per_tan_y();
+    const double texels_x = c.pixels_per_tan_x();
+    const double texels_y = c.pixels_per_tan_y();
+    const double facing = glm::dot(view.forward, c.forward);
+
+    // Texels of the capture that meet in a pixel, where the layer's middle is: picks the mip.
+    std::vector<LayerView> layers(capture.layers.size());
+    for (std::size_t k = 0; k < layers.size(); ++k) {
+        // Seen from behind, the last slab is the first.
+        const Layer& layer = capture.layers[facing >= 0.0 ? k : layers.size() - 1 - k];
+        LayerView& v = layers[k];
+        v.layer = &layer;
+        v.z_plane = layer.plane_m;
+        v.w_plane = 1.0 / layer.plane_m;
+        v.warped = !layer.warp.empty();
+        const glm::dvec3 middle = c.eye_m + layer.plane_m * c.forward - view.eye_m;
+        const double depth = std::max(std::abs(glm::dot(middle, view.forward)), 1e-9 * layer.plane_m);
+        const double texels = std::min(texels_x, texels_y) / layer.plane_m; // per metre
+        const double pixels = std::max(view.pixels_per_tan_x(), view.pixels_per_tan_y()) / depth;
+        const double level = std::clamp(std::log2(texels / pixels), 0.0, static_cast<double>(layer.mips.size() - 1));
+        v.level = static_cast<int>(level);
+        v.fine = static_cast<float>(1.0 - (level - v.level));
+    }
+    const bool sliced = settings.near_m > 0.0 || std::isfinite(settings.far_m) || !settings.scene_depth_m.empty();
+    const double depth_x = glm::dot(view.forward, c.right);
+    const double depth_y = glm::dot(view.forward, c.up);
+    const Reading reading{settings.gain, settings.filter, capture.open_edges};
+    const double beyond = capture.open_edges ? 0.0 : 1.0;
+    const auto body = [&](std::size_t first, std::size_t last) {
+        for (std::size_t row = first; row < last; ++row) {
+            const int j = rect.y0 + static_cast<int>(row);
+            for (int i = rect.x0; i < rect.x1; ++i) {
+                const glm::dvec3 v = ray_0 + static_cast<double>(i) * ray_x + static_cast<double>(j) * ray_y;
+                if (std::abs(v.z) < 1e-9) {
+                    continue; // along the planes
+                }
+                // Where the ray meets axis depth z, the capture's eye sees tangents a + b / z: linear in inverse depth.
+                const double ax = v.x / v.z;
+                const double ay = v.y / v.z;
+                const double bx = eye.x - eye.z * ax;
+                const double by = eye.y - eye.z * ay;
+                const double u0 = (ax - c.tan_left) * texels_x;
+                const double v0 = (c.tan_top - ay) * texels_y;
+                const double u1 = bx * texels_x;
+                const double v1 = -by * texels_y;
+                const auto pixel =
+                    static_cast<std::size_t>(j) * static_cast<std::size_t>(view.width) + static_cast<std::size_t>(i);
+                double far = settings.far_m;
+                if (!settings.scene_depth_m.empty()) {
+                    far = std::min(far, static_cast<double>(settings.scene_depth_m[pixel]));
+                }
+                glm::vec4 sum(0.0F);
+                for (const LayerView& layer : layers) {
+                    double z = layer.z_plane;
+                    double w = layer.w_plane;
+                    const MipLevel& base = layer.layer->mips.front();
+                    if (layer.warped) {
+                        // The texel whose own depth puts it on this ray, by fixed point: the map changes slowly.
+                        for (int step = 0; step < 3; ++step) {
+                            const auto s = static_cast<double>(bilinear_warp(
+                                *layer.layer, static_cast<float>(u0 + u1 * w), static_cast<float>(v0 + v1 * w)));
+                            z = std::clamp(capture.depth_origin_m + capture.depth_scale_m * s, layer.layer->near_m,
+                                           layer.layer->far_m);
+                            w = 1.0 / z;
+                        }
+                    }
+                    if ((z - eye.z) * v.z <= 0.0) {
+                        continue; // behind the view's eye
+                    }
+                    const double u = u0 + u1 * w;
+                    const double t = v0 + v1 * w;
+                    if (!(u >= -beyond && t >= -beyond && u <= base.width + beyond && t <= base.height + beyond)) {
+                        continue;
+                    }
+                    Sample s = fetch(layer, reading, static_cast<float>(u), static_cast<float>(t));
+                    if (sliced && (s.colour.w > 0.0F)) {
+                        // The view's axis depth, in s: along this ray depth in the view is linear in depth in the
+                        // capture.
+                        const double per_z = (depth_x * v.x + depth_y * v.y + facing * v.z) / v.z;
+                        const auto to_s = [&](double depth_m) {
+                            const double capture_z = eye.z + depth_m / per_z;
+                            return static_cast<float>(
+                                std::clamp((capture_z - capture.depth_origin_m) / capture.depth_scale_m, -1e6, 1e6));
+                        };
+                        const auto in_front = [&](double depth_m) {
+                            const float share = share_in_front(s.colour.w, s.depth.x, s.depth.y, to_s(depth_m));
+                            return per_z > 0.0 ? share : 1.0F - share;
+                        };
+                        const float until = std::isfinite(far) ? in_front(far) : 1.0F;
+                        const float from = settings.near_m > 0.0 ? in_front(settings.near_m) : 0.0F;
+                        const float share = std::max(0.0F, until - from);
+                        if (share < 1.0F) {
+                            // 1 - (1 - alpha)^share, and radiance in proportion.
+                            const float left = s.colour.w < 1.0F ? -std::expm1(share * std::log1p(-s.colour.w))
+                                                                 : (share > 0.0F ? 1.0F : 0.0F);
+                            s.colour *= left / s.colour.w;
+                        }
+                    }
+                    sum += (1.0F - sum.w) * s.colour;
+                    if (sum.w > 0.9995F) {
+                        break;
+                    }
+                }
+                image[pixel] += settings.weight * sum;
+            }
+        }
+    };
+    parallel_for(static_cast<std::size_t>(rect.y1 - rect.y0), 8, body, settings.threads);
+    return static_cast<std::size_t>(rect.x1 - rect.x0) * static_cast<std::size_t>(rect.y1 - rect.y0);
+}
+
+void over(std::span<const glm::vec4> front, std::span<glm::vec4> back) {
+    assert(front.size() == back.size());
+    for (std::size_t i = 0; i < front.size(); ++i) {
+        back[i] = front[i] + (1.0F - front[i].w) * back[i];
+    }
+}
+
+} // namespace alpenglow::impostors

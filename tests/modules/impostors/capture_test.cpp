@@ -1,0 +1,298 @@
+#include <alpenglow/impostors/capture.hpp>
+#include <alpenglow/impostors/error.hpp>
+#include <alpenglow/impostors/reproject.hpp>
+
+#include "blob_cloud.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+namespace alpenglow::impostors {
+namespace {
+
+constexpr double degree = 0.017453292519943295;
+
+class Pictures : public ::testing::TestWithParam<Representation> {
+protected:
+    test::BlobCloud cloud = test::make_blob_cloud(80, 5);
+    double distance = 4.0;
+
+    Capture take(int texels, int layers = 8) const {
+        CaptureSettings settings;
+        settings.representation = GetParam();
+        settings.layers = layers;
+        const auto frustum = fit_frustum(cloud.bounds, {0, -distance, 0}, {0, 0, 1}, texels);
+        return std::move(capture(cloud.bounds, *frustum, settings, test::drawable(cloud)).value());
+    }
+    Frustum orbit(double angle_rad, int pixels) const {
+        const glm::dvec3 e = distance * glm::dvec3(std::sin(angle_rad), -std::cos(angle_rad), 0.0);
+        return look_at(e, cloud.bounds.centre_m, {0, 0, 1}, 2.0 * std::atan(1.0 / std::sqrt(distance * distance - 1.0)),
+                       pixels, pixels);
+    }
+    static std::vector<glm::vec4> shown(const Capture& c, const Frustum& view, const DrawSettings& settings = {}) {
+        std::vector<glm::vec4> image(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height),
+                                     glm::vec4(0.0F));
+        draw(c, view, settings, image);
+        return image;
+    }
+};
+
+// From where it was taken, with its own window, a picture is what direct drawing gives: every representation, to
+// rounding.
+TEST_P(Pictures, ExactWhereItWasTaken) {
+    const Capture c = take(64, 1);
+    const auto exact = test::draw_directly(cloud, c.view);
+    EXPECT_LT(test::relative_rmse(shown(c, c.view), exact), 2e-5);
+    // With layers colours are blended in other steps, alpha is still the same.
+    const Capture layered = take(64, 8);
+    EXPECT_LT(test::relative_rmse(shown(layered, c.view), exact), 2e-3);
+}
+
+TEST_P(Pictures, TwoHundredthsAtOneDegree) {
+    const Capture c = take(100);
+    const Frustum view = orbit(degree, 96);
+    EXPECT_LE(test::relative_rmse(shown(c, view), test::draw_directly(cloud, view)), 0.02);
+}
+
+// Rolling the camera changes nothing but the picture's place.
+TEST_P(Pictures, CameraRoll) {
+    const Capture c = take(100);
+    Frustum view = orbit(0.5 * degree, 96);
+    const auto upright = test::relative_rmse(shown(c, view), test::draw_directly(cloud, view));
+    const glm::dvec3 right = view.right;
+    view.right = (right + 2.0 * view.up) / std::sqrt(5.0);
+    view.up = (view.up - 2.0 * right) / std::sqrt(5.0);
+    const auto rolled = test::relative_rmse(shown(c, view), test::draw_directly(cloud, view));
+    EXPECT_LE(rolled, 1.5 * upright + 1e-3);
+}
+
+// Coverage: what all layers show together has the same mean in every mip.
+TEST_P(Pictures, MipsKeepCoverage) {
+    const Capture c = take(77);
+    double base = 0.0;
+    for (std::size_t n = 0; n < c.layers.front().mips.size(); ++n) {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < c.layers.front().mips[n].colour.size(); ++i) {
+            double left = 1.0;
+            for (const Layer& layer : c.layers) {
+                const glm::vec4& t = layer.mips[n].colour[i];
+                ASSERT_TRUE(t.w >= 0.0F && t.w <= 1.0F);
+                left *= 1.0 - static_cast<double>(t.w);
+            }
+            sum += 1.0 - left;
+        }
+        const double coverage = sum * std::pow(4.0, static_cast<double>(n));
+        base = n == 0 ? coverage : base;
+        EXPECT_NEAR(coverage, base, 1e-3 * base) << n;
+    }
+    EXPECT_EQ(c.layers.front().mips.back().width, 1);
+    EXPECT_EQ(c.layers.front().mips.back().height, 1);
+}
+
+// Far away the mean over the picture is what direct drawing gives: neither dark nor bright rims, neither loss of
+// matter.
+TEST_P(Pictures, NoHalosWhenSmall) {
+    const Capture c = take(96);
+    Frustum view = orbit(0.0, 96);
+    view.width = view.height = 12;
+    const auto small = shown(c, view);
+    const Frustum fine = orbit(0.0, 96);
+    const auto exact = test::draw_directly(cloud, fine);
+    glm::dvec4 a(0.0);
+    glm::dvec4 b(0.0);
+    for (const glm::vec4& t : small) {
+        a += glm::dvec4(t) / static_cast<double>(small.size());
+    }
+    for (const glm::vec4& t : exact) {
+        b += glm::dvec4(t) / static_cast<double>(exact.size());
+    }
+    for (int i = 0; i < 4; ++i) {
+        EXPECT_NEAR(a[i] / b[i], 1.0, 0.03);
+    }
+    // Un-premultiplied colours stay within those of the source: a halo would leave that range.
+    float least = 1e9F;
+    float greatest = 0.0F;
+    for (const glm::vec4& t : exact) {
+        if (t.w > 0.02F) {
+            least = std::min(least, t.x / t.w);
+            greatest = std::max(greatest, t.x / t.w);
+        }
+    }
+    for (const glm::vec4& t : small) {
+        if (t.w > 0.05F) {
+            EXPECT_GE(t.x / t.w, 0.97F * least);
+            EXPECT_LE(t.x / t.w, 1.03F * greatest);
+        }
+    }
+}
+
+// A change of exposure or of a light's colour is a factor: the drawn picture is what a new capture would be.
+TEST_P(Pictures, LightsChangeWithoutACapture) {
+    const Capture c = take(64);
+    const Frustum view = orbit(0.3 * degree, 64);
+    Lights sunset;
+    sunset.key = {40.0F, 11.0F, 3.0F};
+    sunset.fill = {0.2F, 0.4F, 0.9F};
+    DrawSettings settings;
+    settings.gain = light_gain(c.lights, sunset);
+    CaptureSettings again;
+    again.representation = GetParam();
+    again.lights = sunset;
+    const auto fresh = capture(cloud.bounds, c.view, again, test::drawable(cloud));
+    ASSERT_TRUE(fresh);
+    EXPECT_LT(test::relative_rmse(shown(c, view, settings), shown(*fresh, view)), 1e-5);
+}
+
+TEST_P(Pictures, NotANumberNeverLeavesACapture) {
+    std::mt19937 random(3);
+    const float bad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1.0F,
+                         -1e30F};
+    std::size_t put = 0;
+    const Drawable broken = [&](const CaptureRequest& request, std::span<SlabImage> slabs) -> Status {
+        test::draw_blobs(cloud, request, slabs);
+        for (SlabImage& slab : slabs) {
+            for (std::size_t i = 0; i < slab.colour.size(); ++i) {
+                switch (random() % 40) {
+                case 0:
+                    slab.colour[i][static_cast<int>(random() % 4)] = bad[random() % 4];
+                    break;
+                case 1:
+                    slab.fill[i].y = bad[random() % 4];
+                    break;
+                case 2:
+                    slab.depth[i].x = bad[random() % 2];
+                    break;
+                case 3:
+                    slab.depth[i].y = bad[random() % 2];
+                    break;
+                case 4:
+                    slab.colour[i].w = 3.0F;
+                    break;
+                default:
+                    continue;
+                }
+                ++put;
+            }
+        }
+        return Ok{};
+    };
+    CaptureSettings settings;
+    settings.representation = GetParam();
+    const auto frustum = fit_frustum(cloud.bounds, {0, -4, 0}, {0, 0, 1}, 48);
+    const auto c = capture(cloud.bounds, *frustum, settings, broken);
+    ASSERT_TRUE(c);
+    EXPECT_GT(c->rejected_texels, put / 2);
+    EXPECT_LE(c->rejected_texels, put);
+    const auto finite = [](const glm::vec4& t) {
+        return std::isfinite(t.x) && std::isfinite(t.y) && std::isfinite(t.z) && t.w >= 0.0F && t.w <= 1.0F;
+    };
+    for (const Layer& layer : c->layers) {
+        for (const MipLevel& mip : layer.mips) {
+            EXPECT_TRUE(std::all_of(mip.colour.begin(), mip.colour.end(), finite));
+        }
+        EXPECT_TRUE(std::all_of(layer.warp.begin(), layer.warp.end(), [](float s) { return std::isfinite(s); }));
+    }
+    for (const double angle : {0.0, 1.0, 20.0, 90.0, 180.0}) {
+        for (const glm::vec4& t : shown(*c, orbit(angle * degree, 40))) {
+            ASSERT_TRUE(finite(t) || t.w <= 1.0001F);
+            ASSERT_TRUE(std::isfinite(t.x + t.y + t.z + t.w));
+        }
+    }
+    EXPECT_TRUE(std::isfinite(predicted_error(*c, {1, 1, 1})));
+}
+
+// An opaque object in the middle hides what is behind it and is veiled by what is in front: against direct drawing of
+// the part in front.
+TEST_P(Pictures, DepthTestInsideTheCloud) {
+    const Capture c = take(100, 16);
+    const Frustum view = orbit(0.0, 96);
+    const std::vector<float> depth(static_cast<std::size_t>(view.width * view.height), 3.9F);
+    DrawSettings settings;
+    settings.scene_depth_m = depth;
+    const auto front = shown(c, view, settings);
+    CaptureRequest request;
+    request.view = view;
+    request.edges_m = {0.0, 3.9};
+    std::vector<SlabImage> slab(1);
+    slab[0].colour.assign(depth.size(), glm::vec4(0.0F));
+    slab[0].depth.assign(depth.size(), glm::vec2(0.0F));
+    test::draw_blobs(cloud, request, slab);
+    for (std::size_t i = 0; i < depth.size(); ++i) {
+        slab[0].colour[i] += glm::vec4(slab[0].fill[i], 0.0F);
+    }
+    const bool one = GetParam() == Representation::plane || GetParam() == Representation::depth_warp;
+    EXPECT_LT(test::relative_rmse(front, slab[0].colour), one ? 0.25 : 0.03);
+}
+
+// Front and back of a cut compose to the whole, wherever the cut lies.
+TEST_P(Pictures, SlicesComposeToTheWhole) {
+    const Capture c = take(64);
+    const Frustum view = orbit(0.7 * degree, 64);
+    const auto whole = shown(c, view);
+    for (const double cut : {3.0001, 3.4, 4.0, 4.5, 4.9999, 7.0}) {
+        DrawSettings front;
+        front.far_m = cut;
+        DrawSettings back;
+        back.near_m = cut;
+        auto both = shown(c, view, back);
+        over(shown(c, view, front), both);
+        EXPECT_LT(test::relative_rmse(both, whole), 0.01) << cut;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Pictures,
+                         ::testing::Values(Representation::plane, Representation::layers, Representation::depth_warp,
+                                           Representation::warped_layers));
+
+TEST(Capture, RefusesWhatItCannotKeep) {
+    const Sphere bounds{{0, 0, 0}, 1.0};
+    auto frustum = *fit_frustum(bounds, {0, -4, 0}, {0, 0, 1}, 16);
+    const Drawable nothing = [](const CaptureRequest&, std::span<SlabImage>) -> Status { return Ok{}; };
+    const Drawable resizes = [](const CaptureRequest&, std::span<SlabImage> slabs) -> Status {
+        slabs[0].colour.resize(3);
+        return Ok{};
+    };
+    const Drawable fails = [](const CaptureRequest&, std::span<SlabImage>) -> Status {
+        return Error{"device lost", "queue", ""};
+    };
+    EXPECT_TRUE(capture(bounds, frustum, CaptureSettings{}, nothing));
+    const auto resized = capture(bounds, frustum, CaptureSettings{}, resizes);
+    ASSERT_FALSE(resized);
+    EXPECT_NE(resized.error().message().find("256"), std::string::npos);
+    const auto failed = capture(bounds, frustum, CaptureSettings{}, fails);
+    ASSERT_FALSE(failed);
+    EXPECT_EQ(failed.error().what, "device lost");
+    const double backwards[] = {4.0, 3.0};
+    EXPECT_FALSE(capture(bounds, frustum, backwards, {}, nothing));
+    frustum.width = 0;
+    EXPECT_FALSE(capture(bounds, frustum, CaptureSettings{}, nothing));
+}
+
+TEST(Capture, SlabsShareParallaxEvenly) {
+    const Sphere bounds{{0, 0, 0}, 1.0};
+    const auto frustum = *fit_frustum(bounds, {0, -4, 0}, {0, 0, 1}, 16);
+    const auto edges = slab_edges(bounds, frustum, 8);
+    EXPECT_DOUBLE_EQ(edges.front(), 3.0);
+    EXPECT_DOUBLE_EQ(edges.back(), 5.0);
+    for (std::size_t k = 0; k < 8; ++k) {
+        EXPECT_NEAR(1.0 / edges[k] - 1.0 / edges[k + 1], (1.0 / 3.0 - 1.0 / 5.0) / 8.0, 1e-12);
+    }
+}
+
+TEST(ShareInFront, MomentsOfAnEvenSpread) {
+    // Matter evenly over s in [-0.5, 0.5]: variance 1 / 12.
+    EXPECT_NEAR(share_in_front(1.0F, 0.0F, 1.0F / 12.0F, 0.0F), 0.5F, 1e-6F);
+    EXPECT_NEAR(share_in_front(1.0F, 0.0F, 1.0F / 12.0F, 0.25F), 0.75F, 1e-6F);
+    EXPECT_EQ(share_in_front(1.0F, 0.0F, 1.0F / 12.0F, -0.6F), 0.0F);
+    EXPECT_EQ(share_in_front(1.0F, 0.0F, 1.0F / 12.0F, 0.6F), 1.0F);
+    EXPECT_EQ(share_in_front(0.5F, 0.1F, 0.02F, 0.2F), 1.0F); // a surface at 0.2: in front of what is at it
+    EXPECT_EQ(share_in_front(0.5F, 0.1F, 0.02F, 0.19F), 0.0F);
+}
+
+} // namespace
+} // namespace alpenglow::impostors
