@@ -166,8 +166,9 @@ HWY_INLINE void find_angles(ConstBatch quaternions, std::size_t begin, std::size
         VD m2 = hn::MulAdd(mx, mx, hn::Mul(my, my));
         const VD one = hn::Set(dd, 1.0), zero = hn::Zero(dd);
         const VD sum = hn::Add(p2, m2);
-        // Padding holds zeros.
-        const VD inverse = hn::Div(one, hn::IfThenElse(hn::Gt(sum, zero), sum, one));
+        // 1 / sum by Newton from 2 - sum: the quaternion is of unit length to 1e-3 at worst.
+        const VD two = hn::Set(dd, 2.0), first = hn::Sub(two, sum);
+        const VD inverse = hn::Mul(first, hn::NegMulAdd(sum, first, two));
         const VD cos_beta = hn::Mul(hn::Sub(p2, m2), inverse);
         // Where one of the two vanishes, its azimuth means nothing, and any will do.
         const auto p_fine = hn::Gt(p2, hn::Set(dd, 1e-200)), m_fine = hn::Gt(m2, hn::Set(dd, 1e-200));

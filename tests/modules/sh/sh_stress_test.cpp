@@ -191,8 +191,11 @@ TEST_P(ShBatchStress, RotationsAndProductsOverTheWholeRange) {
                 const double tilt = std::pow(10.0, -static_cast<double>(k)); // down to denormal
                 q.row(0)[k] = static_cast<float>(r.x * tilt);
                 q.row(1)[k] = static_cast<float>(r.y * tilt);
-                q.row(2)[k] = static_cast<float>(k % 2 == 0 ? r.z : 0.0);
-                q.row(3)[k] = static_cast<float>(k % 2 == 0 ? r.w : 1.0);
+                // About z by some angle, or not at all, and nearly of unit length.
+                const double rest = std::sqrt(1.0 - (r.x * r.x + r.y * r.y) * tilt * tilt);
+                const double half = k % 2 == 0 ? random.uniform(-3.0, 3.0) : 0.0;
+                q.row(2)[k] = static_cast<float>(rest * std::sin(half) * 1.0004);
+                q.row(3)[k] = static_cast<float>(rest * std::cos(half) * 1.0004);
                 for (std::size_t i = 0; i < f.rows(); ++i) {
                     f.row(i)[k] = static_cast<float>(scale * random.normal());
                     g.row(i)[k] = static_cast<float>(random.normal() / std::max(1.0, scale));
