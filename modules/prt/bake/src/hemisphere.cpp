@@ -7,21 +7,10 @@
 #include <alpenglow/sh/basis.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace alpenglow::prt {
 namespace {
-
-constexpr std::size_t finest = 64; // a row of the finest grid is one word
-
-using Bitmap = std::array<std::uint64_t, finest>; // row by row, bit = column
-
-void add(CoefficientRow& sum, const CoefficientRow& row) noexcept {
-    for (std::size_t i = 0; i < row_floats; ++i) {
-        sum.values[i] += row.values[i];
-    }
-}
 
 // out = frame * in.
 void turn(const glm::mat3& frame, const DirectionList& in, DirectionList& out) {
@@ -41,39 +30,11 @@ void turn(const glm::mat3& frame, const DirectionList& in, DirectionList& out) {
     }
 }
 
-// Cells that differ from one of their four neighbours.
-Bitmap edges(const Bitmap& map, std::size_t size) {
-    Bitmap marked{};
-    const std::uint64_t all = size == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << size) - 1;
-    for (std::size_t r = 0; r < size; ++r) {
-        const std::uint64_t row = map[r];
-        const std::uint64_t sideways = (row ^ (row >> 1U)) & (all >> 1U);
-        marked[r] |= sideways | (sideways << 1U);
-        if (r + 1 < size) {
-            const std::uint64_t down = row ^ map[r + 1];
-            marked[r] |= down;
-            marked[r + 1] |= down;
-        }
-    }
-    return marked;
-}
-
-// Every bit twice.
-std::uint64_t spread(std::uint64_t x) {
-    x &= 0xFFFFFFFFU;
-    x = (x | (x << 16U)) & 0x0000FFFF0000FFFFULL;
-    x = (x | (x << 8U)) & 0x00FF00FF00FF00FFULL;
-    x = (x | (x << 4U)) & 0x0F0F0F0F0F0F0F0FULL;
-    x = (x | (x << 2U)) & 0x3333333333333333ULL;
-    x = (x | (x << 1U)) & 0x5555555555555555ULL;
-    return x | (x << 1U);
-}
-
 } // namespace
 
 Hemisphere::Hemisphere(const BakeSettings& settings)
     : sampling_(settings.sampling), order_(settings.order),
-      coefficients_(static_cast<std::size_t>(settings.order * settings.order)),
+      coefficients_(static_cast<std::size_t>(settings.order * settings.order)), padded_((coefficients_ + 7) / 8 * 8),
       rays_(std::max<std::size_t>(settings.rays, 1)), max_error_(settings.max_error), seed_(settings.seed) {
     std::array<float, row_floats> zonal{};
     unshadowed(order_, glm::vec3(0.0F, 0.0F, 1.0F), zonal);
@@ -95,62 +56,73 @@ Hemisphere::Hemisphere(const BakeSettings& settings)
             }
         }
     }
-    if (sampling_ == Sampling::adaptive) {
-        // Two refinements: what is thinner than half a cell of the first grid can be missed.
-        std::size_t size = 8;
-        while (size < finest && size * size * 4 <= rays_) {
-            size *= 2;
+    if (sampling_ != Sampling::adaptive) {
+        return;
+    }
+    // Eight times as many cells on the finest grid as on the one whose nodes are all shot, which finds what there is.
+    std::size_t rings = 4;
+    for (; rings <= 8 || 2 * rings * rings <= rays_; rings *= 2) {
+        Level& level = levels_.emplace_back();
+        level.rings = rings;
+        level.sectors = 2 * rings;
+        if (rings <= 8 || 2 * rings * rings <= rays_ / 8) {
+            detect_ = levels_.size() - 1;
         }
-        const std::size_t coarsest = std::min(size, std::max<std::size_t>(16, size / 2));
-        // The finest cells by 4 x 4 points, the others as sums of theirs: all levels integrate to the same.
-        std::vector<std::array<double, row_floats>> exact(size * size);
-        constexpr std::size_t points = 4;
-        for (std::size_t cell = 0; cell < size * size; ++cell) {
+        const std::size_t cells = level.rings * level.sectors;
+        for (std::size_t k = 0; k <= 8 * rings; ++k) {
+            // The last ring stands a little above the horizon, where a ray cannot graze a plane that it starts on.
+            const double u = std::min(static_cast<double>(k) / static_cast<double>(8 * rings), 1.0 - 1e-5);
+            level.radial.emplace_back(std::sqrt(u), std::sqrt(1.0 - u));
+        }
+        for (std::size_t k = 0; k <= 8 * level.sectors; ++k) {
+            const double phi = two_pi * static_cast<double>(k) / static_cast<double>(8 * level.sectors);
+            level.azimuth.emplace_back(std::cos(phi), std::sin(phi));
+        }
+        const bool first = levels_.size() == 1;
+        for (std::size_t at = 0; at <= rings * level.sectors + level.sectors - 1; ++at) {
+            const std::size_t i = at / level.sectors;
+            const std::size_t j = at % level.sectors;
+            const bool pole_again = i == 0 && !(first && j == 0);
+            if (!pole_again && (first || i % 2 != 0 || j % 2 != 0)) {
+                level.fresh.push_back(static_cast<std::uint32_t>(at));
+                level.fresh_directions.push_back(level.direction(8 * i, 8 * j));
+            }
+        }
+        constexpr std::size_t points = 6; // a side of a cell
+        for (std::size_t cell = 0; cell < cells; ++cell) {
+            std::array<double, row_floats> mean{};
+            std::array<double, row_floats> slope_u{};
+            std::array<double, row_floats> slope_v{};
             for (std::size_t k = 0; k < points * points; ++k) {
-                const double x = (static_cast<double>(cell % size) + (static_cast<double>(k % points) + 0.5) / points) /
-                                 static_cast<double>(size);
-                const double v = (static_cast<double>(cell / size) + (static_cast<double>(k / points) + 0.5) / points) /
-                                 static_cast<double>(size);
-                sh::evaluate_basis(order_, cosine_direction(x, v), y);
+                const double su = (static_cast<double>(k % points) + 0.5) / points;
+                const double sv = (static_cast<double>(k / points) + 0.5) / points;
+                const double u = (static_cast<double>(cell / level.sectors) + su) / static_cast<double>(rings);
+                const double phi =
+                    two_pi * (static_cast<double>(cell % level.sectors) + sv) / static_cast<double>(level.sectors);
+                const double r = std::sqrt(u);
+                sh::evaluate_basis(order_, glm::dvec3(r * std::cos(phi), r * std::sin(phi), std::sqrt(1.0 - u)), y);
                 for (std::size_t i = 0; i < coefficients_; ++i) {
-                    exact[cell][i] += y[i] / static_cast<double>(points * points * size * size);
+                    const double value = y[i] / static_cast<double>(points * points * cells);
+                    mean[i] += value;
+                    slope_u[i] += 12.0 * (su - 0.5) * value;
+                    slope_v[i] += 12.0 * (sv - 0.5) * value;
                 }
             }
-        }
-        for (;; size /= 2) {
-            Level level;
-            level.size = size;
-            for (std::size_t cell = 0; cell < size * size; ++cell) {
-                level.directions.push_back(
-                    glm::vec3(cosine_direction((static_cast<double>(cell % size) + 0.5) / static_cast<double>(size),
-                                               (static_cast<double>(cell / size) + 0.5) / static_cast<double>(size))));
-                CoefficientRow& row = level.integral.emplace_back();
-                double sum = 0.0;
-                for (std::size_t i = 0; i < coefficients_; ++i) {
-                    row.values[i] = static_cast<float>(exact[cell][i]);
-                    sum += exact[cell][i] * exact[cell][i];
-                }
-                level.norm2.push_back(static_cast<float>(sum));
+            CoefficientRow& m = level.integral.emplace_back();
+            CoefficientRow& du = level.slope_u.emplace_back();
+            CoefficientRow& dv = level.slope_v.emplace_back();
+            for (std::size_t i = 0; i < coefficients_; ++i) {
+                m.values[i] = static_cast<float>(mean[i]);
+                du.values[i] = static_cast<float>(slope_u[i]);
+                dv.values[i] = static_cast<float>(slope_v[i]);
             }
-            levels_.insert(levels_.begin(), std::move(level));
-            if (size == coarsest) {
-                break;
-            }
-            std::vector<std::array<double, row_floats>> coarser(size * size / 4);
-            for (std::size_t cell = 0; cell < size * size; ++cell) {
-                std::array<double, row_floats>& parent = coarser[cell / size / 2 * (size / 2) + cell % size / 2];
-                for (std::size_t i = 0; i < row_floats; ++i) {
-                    parent[i] += exact[cell][i];
-                }
-            }
-            exact = std::move(coarser);
         }
     }
 }
 
 HemisphereResult Hemisphere::trace(const Scene& scene, const glm::vec3& origin, const glm::mat3& frame,
                                    std::uint64_t stream, Scratch& scratch) const {
-    return sampling_ == Sampling::adaptive ? trace_grid(scene, origin, frame, scratch)
+    return sampling_ == Sampling::adaptive ? trace_contours(scene, origin, frame, scratch)
                                            : trace_list(scene, origin, frame, stream, scratch);
 }
 
@@ -224,132 +196,232 @@ HemisphereResult Hemisphere::trace_list(const Scene& scene, const glm::vec3& ori
     return result;
 }
 
-HemisphereResult Hemisphere::trace_grid(const Scene& scene, const glm::vec3& origin, const glm::mat3& frame,
-                                        Scratch& scratch) const {
-    HemisphereResult result;
-    Bitmap blocked{};
-    const auto shoot = [&](const DirectionList& local) {
-        const std::size_t count = local.size();
-        turn(frame, local, scratch.directions);
-        scratch.hit.resize(count);
-        const double start = thread_cpu_seconds();
-        scene.occluded(origin, scratch.directions.x.data(), scratch.directions.y.data(), scratch.directions.z.data(), 1,
-                       count, scratch.hit.data());
-        result.tracing_s += thread_cpu_seconds() - start;
-        result.rays += count;
-    };
+void Hemisphere::shoot(const Scene& scene, const glm::vec3& origin, const glm::mat3& frame, const DirectionList& local,
+                       Scratch& scratch, HemisphereResult& result) const {
+    const std::size_t count = local.size();
+    turn(frame, local, scratch.directions);
+    scratch.hit.resize(count);
+    const double start = thread_cpu_seconds();
+    scene.occluded(origin, scratch.directions.x.data(), scratch.directions.y.data(), scratch.directions.z.data(), 1,
+                   count, scratch.hit.data());
+    result.tracing_s += thread_cpu_seconds() - start;
+    result.rays += count;
+}
 
-    const std::size_t coarsest = levels_.front().size;
-    shoot(levels_.front().directions);
-    for (std::size_t r = 0; r < coarsest; ++r) {
-        for (std::size_t c = 0; c < coarsest; ++c) {
-            blocked[r] |= std::uint64_t{scratch.hit[r * coarsest + c]} << c;
-        }
+// Contours of the blocked part, marching squares: an edge whose ends differ is halved three times to find where, a cell
+// whose corners differ is cut along the lines between its crossings.
+Hemisphere::Coverage Hemisphere::integrate(const Level& level, const Scene& scene, const glm::vec3& origin,
+                                           const glm::mat3& frame, Scratch& scratch, HemisphereResult& result) const {
+    const std::size_t rings = level.rings;
+    const std::size_t sectors = level.sectors;
+    const std::vector<std::uint8_t>& node = scratch.node;
+    Coverage coverage;
+    const auto blocked_nodes = static_cast<std::size_t>(std::count(node.begin(), node.end(), std::uint8_t{1}));
+    coverage.kind = 2 * blocked_nodes > node.size() ? 0 : 1;
+    if (blocked_nodes == 0 || blocked_nodes == node.size()) {
+        return coverage; // all of one kind: nothing of the other
     }
-    const double budget = max_error_ * max_error_ * unoccluded_norm_ * unoccluded_norm_;
-    std::size_t deepest = 0;
-    for (;; ++deepest) {
-        const Level& level = levels_[deepest];
-        const Bitmap marked = edges(blocked, level.size);
-        // An edge that crosses a cell leaves an error of variance 1/12 of the cell; half the marked cells are crossed.
-        result.variance = 0.0;
-        scratch.cells.clear();
-        for (std::size_t r = 0; r < level.size; ++r) {
-            for (std::uint64_t bits = marked[r]; bits != 0; bits &= bits - 1) {
-                const std::size_t cell = r * level.size + static_cast<std::size_t>(std::countr_zero(bits));
-                scratch.cells.push_back(static_cast<std::uint32_t>(cell));
-                result.variance += static_cast<double>(level.norm2[cell]) / 24.0;
+    const auto next = [&](std::size_t j) { return j + 1 == sectors ? 0 : j + 1; };
+    scratch.crossings.clear();
+    const std::size_t edges = (rings + 1) * sectors; // angular edges are numbered behind the radial ones
+    for (std::size_t i = 0; i <= rings; ++i) {
+        for (std::size_t j = 0; j < sectors; ++j) {
+            const std::size_t at = i * sectors + j;
+            if (i < rings && node[at] != node[at + sectors]) {
+                scratch.crossings.push_back({static_cast<std::uint32_t>(at), 0, 8, node[at] != 0});
+            }
+            if (node[at] != node[i * sectors + next(j)]) {
+                scratch.crossings.push_back({static_cast<std::uint32_t>(edges + at), 0, 8, node[at] != 0});
             }
         }
-        if (deepest + 1 == levels_.size() || result.variance <= budget) {
-            break;
+    }
+    for (int halving = 0; halving < 3 && !scratch.crossings.empty(); ++halving) {
+        scratch.local.resize(0);
+        for (const Scratch::Crossing& c : scratch.crossings) {
+            const auto middle = static_cast<std::size_t>((c.low + c.high) / 2);
+            const std::size_t at = c.edge < edges ? c.edge : c.edge - edges;
+            const std::size_t u = 8 * (at / sectors);
+            const std::size_t v = 8 * (at % sectors);
+            scratch.local.push_back(c.edge < edges ? level.direction(u + middle, v) : level.direction(u, v + middle));
         }
-        // Each marked cell becomes four; the others pass on what they are.
-        const std::size_t parents = scratch.cells.size();
-        const std::size_t size = 2 * level.size;
-        for (std::size_t i = 0; i < parents; ++i) {
-            const std::size_t cell = scratch.cells[i];
-            const std::size_t child = 2 * (cell / level.size) * size + 2 * (cell % level.size);
-            scratch.cells[i] = static_cast<std::uint32_t>(child);
-            scratch.cells.push_back(static_cast<std::uint32_t>(child + 1));
-            scratch.cells.push_back(static_cast<std::uint32_t>(child + size));
-            scratch.cells.push_back(static_cast<std::uint32_t>(child + size + 1));
+        shoot(scene, origin, frame, scratch.local, scratch, result);
+        for (std::size_t k = 0; k < scratch.crossings.size(); ++k) {
+            Scratch::Crossing& c = scratch.crossings[k];
+            const auto middle = static_cast<std::uint8_t>((c.low + c.high) / 2);
+            ((scratch.hit[k] != 0) == c.low_blocked ? c.low : c.high) = middle;
         }
-        for (std::size_t r = level.size; r-- > 0;) {
-            const std::uint64_t row = spread(blocked[r]);
-            blocked[2 * r] = row;
-            blocked[2 * r + 1] = row;
-        }
-        const Level& finer = levels_[deepest + 1];
-        scratch.local.resize(scratch.cells.size());
-        for (std::size_t i = 0; i < scratch.cells.size(); ++i) {
-            scratch.local.x[i] = finer.directions.x[scratch.cells[i]];
-            scratch.local.y[i] = finer.directions.y[scratch.cells[i]];
-            scratch.local.z[i] = finer.directions.z[scratch.cells[i]];
-        }
-        shoot(scratch.local);
-        for (std::size_t i = 0; i < scratch.cells.size(); ++i) {
-            const std::size_t cell = scratch.cells[i];
-            const std::uint64_t bit = std::uint64_t{1} << (cell % size);
-            std::uint64_t& row = blocked[cell / size];
-            row = scratch.hit[i] != 0 ? row | bit : row & ~bit;
+    }
+    scratch.radial_crossing.resize(edges);
+    scratch.angular_crossing.resize(edges);
+    for (const Scratch::Crossing& c : scratch.crossings) {
+        const float at = static_cast<float>(c.low + c.high) / 16.0F;
+        if (c.edge < edges) {
+            scratch.radial_crossing[c.edge] = at;
+        } else {
+            scratch.angular_crossing[c.edge - edges] = at;
         }
     }
 
-    std::size_t total = 0;
-    const Level& level = levels_[deepest];
-    for (std::size_t r = 0; r < level.size; ++r) {
-        total += static_cast<std::size_t>(std::popcount(blocked[r]));
-    }
-    const std::size_t cells = level.size * level.size;
-    // As in trace_list: sum the smaller set.
-    const bool sum_visible = 2 * total > cells;
-    if (sum_visible) {
-        const std::uint64_t all = level.size == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << level.size) - 1;
-        for (std::size_t r = 0; r < level.size; ++r) {
-            blocked[r] ^= all;
+    // Diagonal corners can be joined through the middle or not: one ray there says.
+    scratch.asked.clear();
+    scratch.local.resize(0);
+    for (std::size_t i = 0; i < rings; ++i) {
+        for (std::size_t j = 0; j < sectors; ++j) {
+            const std::size_t a = i * sectors + j;
+            const std::size_t d = i * sectors + next(j);
+            if (node[a] == node[d + sectors] && node[d] == node[a + sectors] && node[a] != node[d]) {
+                scratch.asked.push_back(static_cast<std::uint32_t>(a));
+                scratch.local.push_back(level.direction(8 * i + 4, 8 * j + 4));
+            }
         }
     }
-    // Top down: a coarse cell whose fine cells agree is one addition.
-    CoefficientRow sum;
-    const auto collect = [&](const auto& self, std::size_t depth, std::size_t row, std::size_t column) -> void {
-        const std::size_t scale = level.size / levels_[depth].size;
-        const std::uint64_t mask = (scale == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << scale) - 1)
-                                   << (column * scale);
-        bool none = true;
-        bool full = true;
-        for (std::size_t r = row * scale; r < (row + 1) * scale; ++r) {
-            none = none && (blocked[r] & mask) == 0;
-            full = full && (blocked[r] & mask) == mask;
+    if (!scratch.asked.empty()) {
+        shoot(scene, origin, frame, scratch.local, scratch, result);
+    }
+    std::size_t answer = 0;
+
+    const double measure = 1.0 / static_cast<double>(rings * sectors);
+    for (std::size_t i = 0; i < rings; ++i) {
+        for (std::size_t j = 0; j < sectors; ++j) {
+            const std::size_t a = i * sectors + j;
+            const std::size_t d = i * sectors + next(j);
+            // Corners around the cell: (u, v) = (0, 0), (1, 0), (1, 1), (0, 1).
+            const std::uint8_t corner[4] = {node[a], node[a + sectors], node[d + sectors], node[d]};
+            const int blocked = corner[0] + corner[1] + corner[2] + corner[3];
+            const CoefficientRow& whole = level.integral[a];
+            if (blocked == 0 || blocked == 4) {
+                if (corner[0] == coverage.kind) {
+                    add(coverage.sum, whole);
+                    coverage.part += measure;
+                }
+                continue;
+            }
+            // The polygon of the corners of one kind. Of a saddle's two kinds, the one that the middle joins.
+            std::uint8_t kind = 1;
+            if (blocked == 2 && corner[0] == corner[2]) {
+                kind = scratch.hit[answer++];
+            }
+            const float cut[4] = {scratch.radial_crossing[a], scratch.angular_crossing[a + sectors],
+                                  scratch.radial_crossing[d], scratch.angular_crossing[a]};
+            std::array<glm::vec2, 8> polygon;
+            std::size_t points = 0;
+            constexpr glm::vec2 place[4] = {{0.0F, 0.0F}, {1.0F, 0.0F}, {1.0F, 1.0F}, {0.0F, 1.0F}};
+            for (std::size_t k = 0; k < 4; ++k) {
+                if (corner[k] == kind) {
+                    polygon[points++] = place[k];
+                }
+                if (corner[k] != corner[(k + 1) % 4]) {
+                    // Sides 2 and 3 run against the direction in which their crossings are measured.
+                    polygon[points++] = k == 0   ? glm::vec2(cut[0], 0.0F)
+                                        : k == 1 ? glm::vec2(1.0F, cut[1])
+                                        : k == 2 ? glm::vec2(cut[2], 1.0F)
+                                                 : glm::vec2(0.0F, cut[3]);
+                }
+            }
+            float area = 0.0F;
+            glm::vec2 moment(0.0F); // about the cell's middle
+            for (std::size_t k = 0; k < points; ++k) {
+                const glm::vec2 p = polygon[k] - 0.5F;
+                const glm::vec2 q = polygon[(k + 1) % points] - 0.5F;
+                const float cross = p.x * q.y - p.y * q.x;
+                area += 0.5F * cross;
+                moment += (p + q) * (cross / 6.0F);
+            }
+            const CoefficientRow& du = level.slope_u[a];
+            const CoefficientRow& dv = level.slope_v[a];
+            if (kind != coverage.kind) { // the rest of the cell
+                area = 1.0F - area;
+                moment = -moment;
+            }
+            for (std::size_t k = 0; k < padded_; ++k) {
+                coverage.sum.values[k] += area * whole.values[k] + moment.x * du.values[k] + moment.y * dv.values[k];
+            }
+            coverage.part += measure * static_cast<double>(area);
         }
-        if (none) {
-            return;
+    }
+    return coverage;
+}
+
+HemisphereResult Hemisphere::trace_contours(const Scene& scene, const glm::vec3& origin, const glm::mat3& frame,
+                                            Scratch& scratch) const {
+    HemisphereResult result;
+    const double budget = max_error_ * max_error_ * unoccluded_norm_ * unoccluded_norm_;
+    const auto transfer = [&](const Coverage& coverage, CoefficientRow& out) {
+        for (std::size_t i = 0; i < coefficients_; ++i) {
+            out.values[i] =
+                coverage.kind == 0 ? coverage.sum.values[i] : unoccluded_.values[i] - coverage.sum.values[i];
         }
-        if (full) {
-            add(sum, levels_[depth].integral[row * levels_[depth].size + column]);
-            return;
-        }
-        for (std::size_t k = 0; k < 4; ++k) {
-            self(self, depth + 1, 2 * row + k / 2, 2 * column + k % 2);
-        }
+        result.visibility = std::clamp(coverage.kind == 0 ? coverage.part : 1.0 - coverage.part, 0.0, 1.0);
     };
-    const std::size_t scale = level.size / coarsest;
-    for (std::size_t r = 0; r < coarsest; ++r) {
-        std::uint64_t any = 0;
-        for (std::size_t k = 0; k < scale; ++k) {
-            any |= blocked[r * scale + k];
+    for (std::size_t depth = 0; depth < levels_.size(); ++depth) {
+        const Level& level = levels_[depth];
+        const std::size_t sectors = level.sectors;
+        scratch.coarser.swap(scratch.node);
+        scratch.node.assign((level.rings + 1) * sectors, 0);
+        if (depth > 0) {
+            const Level& last = levels_[depth - 1];
+            for (std::size_t i = 0; i <= level.rings; ++i) {
+                for (std::size_t j = 0; j < sectors; ++j) {
+                    scratch.node[i * sectors + j] = scratch.coarser[i / 2 * last.sectors + j / 2];
+                }
+            }
         }
-        for (; any != 0;) {
-            const std::size_t c = static_cast<std::size_t>(std::countr_zero(any)) / scale;
-            collect(collect, 0, r, c);
-            const std::size_t end = (c + 1) * scale;
-            any = end >= 64 ? 0 : any & (~std::uint64_t{0} << end);
+        if (depth <= detect_) {
+            shoot(scene, origin, frame, level.fresh_directions, scratch, result);
+            for (std::size_t k = 0; k < level.fresh.size(); ++k) {
+                scratch.node[level.fresh[k]] = scratch.hit[k];
+            }
+        } else {
+            const Level& last = levels_[depth - 1];
+            const std::vector<std::uint8_t>& old = scratch.coarser;
+            const auto mixed = [&](std::size_t ring, std::size_t sector) {
+                if (ring >= last.rings) {
+                    return false;
+                }
+                const std::size_t a = ring * last.sectors + sector % last.sectors;
+                const std::size_t d = ring * last.sectors + (sector + 1) % last.sectors;
+                return old[a] != old[d] || old[a] != old[a + last.sectors] || old[d] != old[d + last.sectors];
+            };
+            scratch.asked.clear();
+            scratch.local.resize(0);
+            for (std::size_t k = 0; k < level.fresh.size(); ++k) {
+                const std::size_t i = level.fresh[k] / sectors;
+                const std::size_t j = level.fresh[k] % sectors;
+                if (mixed(i / 2, j / 2) || (i % 2 == 0 && mixed(i / 2 - 1, j / 2)) ||
+                    (j % 2 == 0 && mixed(i / 2, j / 2 + last.sectors - 1))) {
+                    scratch.asked.push_back(level.fresh[k]);
+                    scratch.local.push_back(level.direction(8 * i, 8 * j));
+                }
+            }
+            if (!scratch.asked.empty()) {
+                shoot(scene, origin, frame, scratch.local, scratch, result);
+                for (std::size_t k = 0; k < scratch.asked.size(); ++k) {
+                    scratch.node[scratch.asked[k]] = scratch.hit[k];
+                }
+            }
+        }
+        for (std::size_t j = 1; j < sectors; ++j) {
+            scratch.node[j] = scratch.node[0];
+        }
+        if (depth + 1 < detect_) {
+            continue; // only finds; the two grids that are compared come after
+        }
+        const CoefficientRow before = result.transfer;
+        transfer(integrate(level, scene, origin, frame, scratch, result), result.transfer);
+        if (depth < detect_) {
+            continue;
+        }
+        // Halving the grid leaves about 0.4 of what it changed.
+        double change = 0.0;
+        for (std::size_t i = 0; i < coefficients_; ++i) {
+            const double d = static_cast<double>(result.transfer.values[i]) - static_cast<double>(before.values[i]);
+            change += d * d;
+        }
+        result.variance = 0.16 * change;
+        if (result.variance <= budget) {
+            break;
         }
     }
-    for (std::size_t i = 0; i < coefficients_; ++i) {
-        result.transfer.values[i] = sum_visible ? sum.values[i] : unoccluded_.values[i] - sum.values[i];
-    }
-    result.visibility = 1.0 - static_cast<double>(total) / static_cast<double>(cells);
     return result;
 }
 

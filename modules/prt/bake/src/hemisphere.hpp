@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 namespace alpenglow::prt {
@@ -54,7 +55,18 @@ public:
         DirectionList local;
         DirectionList directions;
         std::vector<std::uint8_t> hit;
-        std::vector<std::uint32_t> cells;
+        struct Crossing { // on an edge of the grid: eighths of a cell along it
+            std::uint32_t edge;
+            std::uint8_t low;
+            std::uint8_t high;
+            bool low_blocked;
+        };
+        std::vector<std::uint8_t> node;
+        std::vector<std::uint8_t> coarser;
+        std::vector<std::uint32_t> asked;
+        std::vector<Crossing> crossings;
+        std::vector<float> radial_crossing;  // edge (ring, sector) -> (ring + 1, sector)
+        std::vector<float> angular_crossing; // edge (ring, sector) -> (ring, sector + 1)
     };
     // Shoots the rays of one point. `frame` maps the point's frame to the object's; `stream` seeds random samplings.
     [[nodiscard]] HemisphereResult trace(const Scene& scene, const glm::vec3& origin, const glm::mat3& frame,
@@ -65,26 +77,55 @@ public:
     [[nodiscard]] double unoccluded_norm() const noexcept { return unoccluded_norm_; }
 
 private:
+    // A polar grid: `rings` steps in u = sin^2 theta, `sectors` in azimuth v, so that all cells have the same cosine
+    // measure and a horizon runs along grid lines. Nodes are numbered ring * sectors + sector, ring 0 being the pole.
     struct Level {
-        std::size_t size = 0;                 // cells a side
-        DirectionList directions;             // of the cells' centres
-        std::vector<CoefficientRow> integral; // int over the cell of cos/pi y
-        std::vector<float> norm2;             // of those
+        std::size_t rings = 0;
+        std::size_t sectors = 0;
+        std::vector<glm::vec2> radial;        // (sin, cos) theta at every 1/8 of a ring
+        std::vector<glm::vec2> azimuth;       // (cos, sin) phi at every 1/8 of a sector
+        std::vector<CoefficientRow> integral; // int over a cell of cos/pi y,
+        std::vector<CoefficientRow> slope_u;  // and of its best linear fit the slopes along the cell's sides
+        std::vector<CoefficientRow> slope_v;
+        std::vector<std::uint32_t> fresh; // nodes that the next coarser grid does not have, and their directions
+        DirectionList fresh_directions;
+        [[nodiscard]] glm::vec3 direction(std::size_t eighth_u, std::size_t eighth_v) const {
+            const glm::vec2 r = radial[eighth_u];
+            const glm::vec2 a = azimuth[eighth_v];
+            return {r.x * a.x, r.x * a.y, r.y};
+        }
+    };
+    // What a grid's nodes and the crossings on its edges integrate to: the smaller of the two kinds.
+    struct Coverage {
+        CoefficientRow sum;
+        std::uint8_t kind = 1; // 1: blocked, 0: visible
+        double part = 0.0;
     };
     [[nodiscard]] HemisphereResult trace_list(const Scene& scene, const glm::vec3& origin, const glm::mat3& frame,
                                               std::uint64_t stream, Scratch& scratch) const;
-    [[nodiscard]] HemisphereResult trace_grid(const Scene& scene, const glm::vec3& origin, const glm::mat3& frame,
-                                              Scratch& scratch) const;
+    [[nodiscard]] HemisphereResult trace_contours(const Scene& scene, const glm::vec3& origin, const glm::mat3& frame,
+                                                  Scratch& scratch) const;
+    void shoot(const Scene& scene, const glm::vec3& origin, const glm::mat3& frame, const DirectionList& local,
+               Scratch& scratch, HemisphereResult& result) const;
+    void add(CoefficientRow& sum, const CoefficientRow& row) const noexcept {
+        for (std::size_t i = 0; i < padded_; ++i) {
+            sum.values[i] += row.values[i];
+        }
+    }
+    [[nodiscard]] Coverage integrate(const Level& level, const Scene& scene, const glm::vec3& origin,
+                                     const glm::mat3& frame, Scratch& scratch, HemisphereResult& result) const;
 
     Sampling sampling_;
     int order_;
     std::size_t coefficients_;
+    std::size_t padded_; // to whole registers
     std::size_t rays_;
     double max_error_;
     std::uint64_t seed_;
     DirectionList directions_;         // fibonacci
     std::vector<CoefficientRow> rows_; // fibonacci
-    std::vector<Level> levels_;        // adaptive: from 16 x 16 on
+    std::vector<Level> levels_;        // adaptive
+    std::size_t detect_ = 0;           // the last level whose nodes are all shot
     CoefficientRow unoccluded_;
     double unoccluded_norm_ = 0.0;
 };

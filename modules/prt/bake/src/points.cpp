@@ -14,6 +14,7 @@ std::vector<Point> vertex_points(const Mesh& mesh) {
     compute_normals(mended);
     std::vector<double> length(mesh.positions.size(), 0.0);
     std::vector<unsigned> edges(mesh.positions.size(), 0);
+    std::vector<glm::dvec3> inwards(mesh.positions.size(), glm::dvec3(0.0)); // towards the middles of the triangles
     std::vector<std::uint8_t> records(mesh.positions.size(), mesh.mirror.empty() ? 1 : 0);
     float largest = 0.0F;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -21,6 +22,9 @@ std::vector<Point> vertex_points(const Mesh& mesh) {
             const unsigned a = mesh.triangles[t][i];
             const unsigned b = mesh.triangles[t][(i + 1) % 3];
             const double edge = glm::length(glm::dvec3(mesh.positions[a]) - glm::dvec3(mesh.positions[b]));
+            const glm::dvec3 along = glm::dvec3(mesh.positions[b]) - glm::dvec3(mesh.positions[a]);
+            inwards[a] += along;
+            inwards[b] -= along;
             length[a] += edge;
             length[b] += edge;
             ++edges[a];
@@ -45,7 +49,10 @@ std::vector<Point> vertex_points(const Mesh& mesh) {
             }
         }
         const double lift = std::max(1e-3 * length[v] / edges[v], 2e-6 * static_cast<double>(largest));
-        points[v] = {mesh.positions[v] + normal * static_cast<float>(lift), normal};
+        // A vertex at a crease lies in the neighbouring wall: a hundredth of an edge into its own surface it does not.
+        glm::dvec3 nudge = inwards[v] / static_cast<double>(edges[v]) * 0.01;
+        nudge -= glm::dvec3(normal) * glm::dot(nudge, glm::dvec3(normal));
+        points[v] = {glm::vec3(glm::dvec3(mesh.positions[v]) + nudge + glm::dvec3(normal) * lift), normal};
     }
     return points;
 }

@@ -15,7 +15,8 @@ struct Point {
     glm::vec3 normal{0.0F};   // zero: do not bake
 };
 
-// Vertices as points: normals mended, origins lifted by a thousandth of the edges around. Vertices of no proper
+// Vertices as points: normals mended, origins lifted by a thousandth of the edges around and
+// drawn a hundredth towards the middle of their triangles. Vertices of no proper
 // triangle, or of mirrors alone, get no normal.
 [[nodiscard]] std::vector<Point> vertex_points(const Mesh& mesh);
 
