@@ -90,8 +90,11 @@ HWY_INLINE Value minimum(const Form<Terms>& form, V w1, V w2) {
         nu = hn::Max(nu, hn::Sub(hn::Abs(large[i]), g[i]));
         full = hn::Max(full, hn::Sub(size, g[i]));
     }
-    for (int iteration = 0; iteration < 3; ++iteration) {
-        nu = newton<Terms>(large, g, nu);
+    // The paper's bound is conservative anyhow, and does without.
+    if constexpr (Terms == 3) {
+        for (int iteration = 0; iteration < 3; ++iteration) {
+            nu = newton<Terms>(large, g, nu);
+        }
     }
     nu = hn::Max(nu, full);
     for (int iteration = 0; iteration < 3; ++iteration) {
