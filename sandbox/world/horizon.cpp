@@ -3,6 +3,7 @@
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/core/parallel_for.hpp>
 
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -16,27 +17,36 @@ struct Point {
     float h;
 };
 
-// The upper convex hull of all points pushed so far, each nearer than the one before.
+// The upper convex hull of all points pushed so far, each nearer than the one before. The storage has room for all.
 class Hull {
 public:
-    explicit Hull(std::vector<Point>& storage) : points_(storage) {}
+    explicit Hull(Point* storage, std::size_t size = 0) : points_(storage), size_(size) {}
 
-    // Adds a point and returns the largest tangent from it to any point before; -infinity for the first.
-    float push(Point p) {
-        while (points_.size() >= 2 && below(points_.back(), p, points_[points_.size() - 2])) {
-            points_.pop_back();
+    // Adds a point.
+    void push(Point p) {
+        while (size_ >= 2 && below(points_[size_ - 1], p, points_[size_ - 2])) {
+            --size_;
         }
-        const float tangent = points_.empty() ? -1e30F : (points_.back().h - p.h) / (points_.back().s - p.s);
-        points_.push_back(p);
-        return tangent;
+        points_[size_++] = p;
     }
+    // The largest tangent from the last point to any before; negative for the first.
+    [[nodiscard]] float tangent() const {
+        if (size_ < 2) {
+            return -1e30F;
+        }
+        const Point p = points_[size_ - 1];
+        const Point top = points_[size_ - 2];
+        return (top.h - p.h) / (top.s - p.s);
+    }
+    [[nodiscard]] std::size_t size() const { return size_; }
 
 private:
     // Is `middle` on or under the segment from `near` to `far`?
     static bool below(Point middle, Point near, Point far) {
         return (middle.h - near.h) * (far.s - near.s) <= (far.h - near.h) * (middle.s - near.s);
     }
-    std::vector<Point>& points_;
+    Point* points_;
+    std::size_t size_;
 };
 
 // A line of the grid: from sample coordinates along `major` one step at a time, moving p/q across at each.
@@ -81,9 +91,12 @@ FarHulls far_hulls(const HeightGrid& grid, const HeightGrid& beyond, glm::vec2 a
     parallel_for(static_cast<std::size_t>(count), 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t line = begin; line < end; ++line) {
             const float offset = hulls.first_m + hulls.step_m * static_cast<float>(line);
-            Hull hull(hulls.lines[line]);
             // Steps that meet the samples where the azimuth does.
-            for (auto k = static_cast<int>(1.42F * half_far / step_m); k > 0; --k) {
+            const int steps = static_cast<int>(1.42F * half_far / step_m);
+            std::vector<Point>& points = hulls.lines[line];
+            points.resize(static_cast<std::size_t>(std::max(steps, 0)));
+            Hull hull(points.data());
+            for (int k = steps; k > 0; --k) {
                 const float s = step_m * static_cast<float>(k);
                 const glm::vec2 p = s * along + offset * across;
                 const float reach = std::max(std::abs(p.x), std::abs(p.y));
@@ -91,9 +104,10 @@ FarHulls far_hulls(const HeightGrid& grid, const HeightGrid& beyond, glm::vec2 a
                     break;
                 }
                 if (reach <= half_far) {
-                    (void)hull.push({s, sample_bilinear(beyond, p)});
+                    hull.push({s, sample_bilinear(beyond, p)});
                 }
             }
+            points.resize(hull.size());
         }
     });
     return hulls;
@@ -103,11 +117,12 @@ FarHulls far_hulls(const HeightGrid& grid, const HeightGrid& beyond, glm::vec2 a
 
 namespace {
 
-// The encoding as a table: the least tangent of each code, and the code at which to start looking.
+// The encoding as a table: the least tangent of each code, and the code of the least tangent that shares the upper half
+// of its bits with others.
 struct Encoder {
-    static constexpr int buckets = 1024;
+    static constexpr std::uint32_t infinity = 0x7F80U;
     std::array<float, 257> least{};
-    std::array<std::uint8_t, buckets> start{};
+    std::array<std::uint8_t, infinity + 1> start{};
 
     Encoder() {
         for (int v = 1; v < 256; ++v) {
@@ -116,22 +131,18 @@ struct Encoder {
         }
         least[256] = std::numeric_limits<float>::infinity();
         std::size_t v = 0;
-        for (int b = 0; b < buckets; ++b) {
-            const float x = static_cast<float>(b) / buckets;
-            while (least[v + 1] <= x / (1.0F - x)) {
+        for (std::uint32_t upper = 0; upper < infinity; ++upper) {
+            while (least[v + 1] <= std::bit_cast<float>(upper << 16U)) {
                 ++v;
             }
-            start[static_cast<std::size_t>(b)] = static_cast<std::uint8_t>(v);
+            start[upper] = static_cast<std::uint8_t>(v);
         }
+        start[infinity] = 255;
     }
     [[nodiscard]] std::uint8_t encode(float tangent) const {
-        const float x = tangent / (1.0F + tangent);
-        std::size_t v = start[static_cast<std::size_t>(std::min(x, 0.999F) * buckets)];
-        while (least[v + 1] <= tangent) {
+        std::size_t v = start[std::bit_cast<std::uint32_t>(tangent) >> 16U];
+        while (v < 255 && least[v + 1] <= tangent) {
             ++v;
-        }
-        while (v > 0 && least[v] > tangent) {
-            --v;
         }
         return static_cast<std::uint8_t>(v);
     }
@@ -141,7 +152,7 @@ struct Encoder {
 
 std::uint8_t encode_horizon(float tangent) noexcept {
     static const Encoder encoder;
-    return tangent > 0.0F ? encoder.encode(std::min(tangent, 1e6F)) : std::uint8_t{0};
+    return tangent > 0.0F ? encoder.encode(tangent) : std::uint8_t{0};
 }
 
 float decode_horizon_rad(std::uint8_t v) noexcept {
@@ -188,6 +199,11 @@ std::vector<float> sweep_horizon(const HeightGrid& grid, int azimuth, const Heig
 
     parallel_for(static_cast<std::size_t>(c_high - c_low + 1), 512, [&](std::size_t begin, std::size_t end) {
         std::vector<Point> storage;
+        std::size_t far_most = 0;
+        for (const std::vector<Point>& points : far.lines) {
+            far_most = std::max(far_most, points.size());
+        }
+        storage.resize(static_cast<std::size_t>(n) + far_most);
         for (std::size_t line = begin; line < end; ++line) {
             const int c = c_low + static_cast<int>(line);
             // Columns where 0 <= (c + p major) / q <= n - 1.
@@ -203,7 +219,7 @@ std::vector<float> sweep_horizon(const HeightGrid& grid, int azimuth, const Heig
             if (first > last) {
                 continue;
             }
-            storage.clear();
+            std::size_t beyond_count = 0;
             const float sign = static_cast<float>(f.sign);
             if (beyond != nullptr) {
                 const float major_m = grid.origin_m.x + grid.spacing_m * static_cast<float>(first);
@@ -218,11 +234,11 @@ std::vector<float> sweep_horizon(const HeightGrid& grid, int azimuth, const Heig
                 const float farthest = sign * step_m * static_cast<float>(f.sign > 0 ? last : first);
                 for (const Point point : far.lines[static_cast<std::size_t>(near)]) {
                     if (point.s - zero > farthest) { // a far line may pass beside a corner
-                        storage.push_back({point.s - zero, point.h});
+                        storage[beyond_count++] = {point.s - zero, point.h};
                     }
                 }
             }
-            Hull hull(storage);
+            Hull hull(storage.data(), beyond_count);
             const int from = f.sign > 0 ? last : first;
             const int count = last - first + 1;
             int numerator = c + f.p * from;
@@ -235,11 +251,11 @@ std::vector<float> sweep_horizon(const HeightGrid& grid, int azimuth, const Heig
                     static_cast<std::size_t>(major) * major_stride + static_cast<std::size_t>(minor) * minor_stride;
                 const float s = sign * step_m * static_cast<float>(major);
                 if (rest == 0) {
-                    const float tangent = hull.push({s, height[at]});
-                    tangents[at] = std::max(0.0F, tangent);
+                    hull.push({s, height[at]});
+                    tangents[at] = std::max(0.0F, hull.tangent());
                 } else {
                     const float t = static_cast<float>(rest) / static_cast<float>(f.q);
-                    (void)hull.push({s, height[at] + t * (height[at + minor_stride] - height[at])});
+                    hull.push({s, height[at] + t * (height[at + minor_stride] - height[at])});
                 }
                 rest += advance;
                 while (rest < 0) {

@@ -26,11 +26,26 @@ constexpr glm::vec2 lake_centre_m{-2300.0F, 250.0F};
 struct Framework {
     float floor_m = 0.0F;    // height of the nearest floor
     float distance_m = 0.0F; // to its edge, negative on the floor
-    float uplift = 0.0F;     // relative, of the ranges
 };
 
 float valley_line_m(float x) {
     return 900.0F * std::sin(x / 5200.0F) + 1700.0F * std::sin(x / 17000.0F + 1.0F) - 1430.0F;
+}
+
+// Distance south of the lowlands' edge; only its bound from below where it is more than both 9 km and `other_m`.
+float north_distance_m(glm::vec2 p, float other_m, std::uint32_t seed) {
+    const float least_m = 25000.0F - p.y; // the noise is within -1 .. 1
+    return least_m > std::max(other_m, 9000.0F)
+               ? least_m
+               : 30000.0F + 5000.0F * gradient_noise(p.x / 22000.0F, 0.5F, seed + 12U) - p.y;
+}
+
+// Relative uplift of the ranges.
+float uplift(glm::vec2 p, std::uint32_t seed) {
+    const float ranges = 1.0F + 0.45F * fractal_noise(p.x / 16000.0F, p.y / 16000.0F, 2, seed + 14U);
+    const float main_crest = smoothstep(2000.0F, -22000.0F, p.y); // higher in the south
+    const float hills = smoothstep(0.0F, 9000.0F, north_distance_m(p, 0.0F, seed));
+    return ranges * (0.9F + 0.45F * main_crest) * (0.35F + 0.65F * hills);
 }
 
 Framework framework(glm::vec2 p, std::uint32_t seed) {
@@ -59,14 +74,11 @@ Framework framework(glm::vec2 p, std::uint32_t seed) {
         f.floor_m = 780.0F + 0.003F * p.x;
     }
     // Lowlands in the north.
-    const float north_m = 30000.0F + 5000.0F * gradient_noise(p.x / 22000.0F, 0.5F, seed + 12U) - p.y;
+    const float north_m = north_distance_m(p, f.distance_m, seed);
     if (north_m < f.distance_m) {
         f.distance_m = north_m;
         f.floor_m = 640.0F + 60.0F * fractal_noise(p.x / 5000.0F, p.y / 5000.0F, 3, seed + 13U);
     }
-    const float ranges = 1.0F + 0.45F * fractal_noise(p.x / 16000.0F, p.y / 16000.0F, 2, seed + 14U);
-    const float main_crest = smoothstep(2000.0F, -22000.0F, p.y); // higher in the south
-    f.uplift = ranges * (0.9F + 0.45F * main_crest) * (0.35F + 0.65F * smoothstep(0.0F, 9000.0F, north_m));
     return f;
 }
 
@@ -82,10 +94,9 @@ FluvialModel make_model(const HeightGrid& grid, std::uint32_t seed) {
             for (int i = 0; i < grid.n; ++i) {
                 const std::size_t k = grid.index(i, j);
                 const glm::vec2 p = grid.position_m(i, j);
-                const Framework f = framework(p, seed);
-                model.uplift_m[k] = f.uplift;
+                model.uplift_m[k] = uplift(p, seed);
                 model.talus[k] = 0.84F + 0.30F * gradient_noise(p.x / 1900.0F, p.y / 1900.0F, seed + 21U);
-                if (f.distance_m < 0.0F) {
+                if (framework(p, seed).distance_m < 0.0F) {
                     model.node[k] = Node::base;
                 }
             }

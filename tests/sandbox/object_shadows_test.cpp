@@ -147,8 +147,7 @@ TEST(ObjectShadows, PenumbraGrowsWithDistance) {
 
 TEST(ObjectShadows, AreRebuiltOnlyWhenNeeded) {
     const Yard yard;
-    const Terrain terrain = rough_terrain(1, 0.0F);
-    const TerrainLod lod(terrain);
+    const TerrainLod lod = flat_lod();
     ObjectShadows shadows(yard.meshes, yard.objects);
     ShadowInput input{direction(90.0F, 25.0F), sun_radius_rad, {0.0F, -50.0F, 10.0F}};
     EXPECT_EQ(shadows.update(input, lod).updated, 1U);

@@ -6,10 +6,10 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
-#include <unordered_set>
+#include <utility>
+#include <vector>
 
 namespace alpenglow::sandbox {
 namespace {
@@ -20,6 +20,14 @@ using Point = std::pair<long, long>;
 Point point_of(const TerrainLod& lod, std::uint32_t vertex) {
     const glm::vec3 p = lod.position_m(vertex);
     return {std::lround(p.x / Terrain::inner_spacing_m), std::lround(p.y / Terrain::inner_spacing_m)};
+}
+
+// Whole multiples of the inner spacing from the south-west corner, row by row.
+constexpr std::size_t sites = static_cast<std::size_t>(Terrain::samples - 1) * Terrain::ratio + 1;
+
+std::size_t site_of(Point p) {
+    const auto from_corner = [](long k) { return static_cast<std::size_t>(k + static_cast<long>(sites / 2)); };
+    return from_corner(p.second) * sites + from_corner(p.first);
 }
 
 LodView view_of(const Camera& camera) {
@@ -37,9 +45,9 @@ Camera camera_at(const Terrain& terrain, int k) {
 
 // No vertex that is used lies inside an edge of a triangle: bisection puts vertices in the middles of edges alone.
 void expect_no_cracks(const TerrainLod& lod, std::span<const std::uint32_t> indices) {
-    std::set<Point> used;
+    std::vector<bool> used(sites * sites, false);
     for (const std::uint32_t v : indices) {
-        used.insert(point_of(lod, v));
+        used[site_of(point_of(lod, v))] = true;
     }
     for (std::size_t t = 0; t < indices.size(); t += 3) {
         for (std::size_t e = 0; e < 3; ++e) {
@@ -51,7 +59,7 @@ void expect_no_cracks(const TerrainLod& lod, std::span<const std::uint32_t> indi
             ASSERT_TRUE(dx == 0 || dy == 0 || std::abs(dx) == std::abs(dy));
             for (long part = parts / 2; part >= 1; part /= 2) {
                 for (long at = part; at < parts; at += part) {
-                    ASSERT_EQ(used.count({a.first + dx / parts * at, a.second + dy / parts * at}), 0U);
+                    ASSERT_FALSE(used[site_of({a.first + dx / parts * at, a.second + dy / parts * at})]);
                 }
                 if (parts > 64) {
                     break; // long edges: their middle is enough, a split edge is split there first
@@ -62,11 +70,13 @@ void expect_no_cracks(const TerrainLod& lod, std::span<const std::uint32_t> indi
 }
 
 TEST(TerrainLod, WholeTriangulationIsClosedAndCoversTheSquare) {
-    const Terrain terrain = rough_terrain(4);
-    const TerrainLod lod(terrain);
+    const Terrain& terrain = rough_terrain();
+    const TerrainLod lod = rough_lod();
     const std::vector<std::uint32_t> indices = lod.coarse_indices(150.0F);
     ASSERT_GT(indices.size(), 1000U);
-    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+    std::vector<Edge> edges;
+    edges.reserve(indices.size());
     double area = 0.0;
     for (std::size_t t = 0; t < indices.size(); t += 3) {
         const glm::vec3 a = lod.position_m(indices[t]);
@@ -77,14 +87,15 @@ TEST(TerrainLod, WholeTriangulationIsClosedAndCoversTheSquare) {
         ASSERT_GT(twice, 0.0); // counter-clockwise from above
         area += 0.5 * twice;
         for (std::size_t e = 0; e < 3; ++e) {
-            ++edges[{indices[t + e], indices[t + (e + 1) % 3]}];
+            edges.emplace_back(indices[t + e], indices[t + (e + 1) % 3]);
         }
     }
     const double side = terrain.outer.extent_m();
     EXPECT_NEAR(area, side * side, 1e-6 * side * side);
-    for (const auto& [edge, count] : edges) {
-        ASSERT_EQ(count, 1);
-        if (edges.count({edge.second, edge.first}) == 0) {
+    std::sort(edges.begin(), edges.end());
+    ASSERT_EQ(std::adjacent_find(edges.begin(), edges.end()), edges.end()); // each runs once in each direction
+    for (const Edge& edge : edges) {
+        if (!std::binary_search(edges.begin(), edges.end(), Edge{edge.second, edge.first})) {
             // Only the border of the square has one side.
             const glm::vec3 a = lod.position_m(edge.first);
             const glm::vec3 b = lod.position_m(edge.second);
@@ -96,8 +107,8 @@ TEST(TerrainLod, WholeTriangulationIsClosedAndCoversTheSquare) {
 }
 
 TEST(TerrainLod, KeepsTheBudgetWithoutCracksWhereverTheCameraStands) {
-    const Terrain terrain = rough_terrain(4);
-    TerrainLod lod(terrain);
+    const Terrain& terrain = rough_terrain();
+    TerrainLod lod = rough_lod();
     LodSettings settings;
     settings.max_triangles = 12000;
     for (int k = 0; k < 8; ++k) {
@@ -111,8 +122,8 @@ TEST(TerrainLod, KeepsTheBudgetWithoutCracksWhereverTheCameraStands) {
 }
 
 TEST(TerrainLod, ErrorOnTheScreenIsBounded) {
-    const Terrain terrain = rough_terrain(6);
-    TerrainLod lod(terrain);
+    const Terrain& terrain = rough_terrain();
+    TerrainLod lod = rough_lod();
     for (int k = 0; k < 4; ++k) {
         const Camera camera = camera_at(terrain, k);
         const LodView view = view_of(camera);
@@ -134,8 +145,8 @@ TEST(TerrainLod, ErrorOnTheScreenIsBounded) {
 }
 
 TEST(TerrainLod, DrawsWhatCanBeSeen) {
-    const Terrain terrain = rough_terrain(8);
-    TerrainLod lod(terrain);
+    const Terrain& terrain = rough_terrain();
+    TerrainLod lod = rough_lod();
     for (int k = 0; k < 4; ++k) {
         const Camera camera = camera_at(terrain, k + 20);
         const LodView view = view_of(camera);
@@ -177,8 +188,8 @@ TEST(TerrainLod, DrawsWhatCanBeSeen) {
 }
 
 TEST(TerrainLod, IsKeptUntilTheCameraHasMovedOrTurned) {
-    const Terrain terrain = rough_terrain(4);
-    TerrainLod lod(terrain);
+    const Terrain& terrain = rough_terrain();
+    TerrainLod lod = rough_lod();
     const LodSettings settings;
     Camera camera = camera_at(terrain, 3);
     camera.position_m.z += 300.0F;
@@ -199,8 +210,7 @@ TEST(TerrainLod, IsKeptUntilTheCameraHasMovedOrTurned) {
 }
 
 TEST(TerrainLod, FlatGroundNeedsTwoTriangles) {
-    const Terrain terrain = rough_terrain(4, 0.0F);
-    const TerrainLod lod(terrain);
+    const TerrainLod lod = flat_lod();
     EXPECT_EQ(lod.coarse_indices(0.0F).size(), 6U);
 }
 

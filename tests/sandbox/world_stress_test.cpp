@@ -38,7 +38,7 @@ TEST(WorldStress, HorizonsOfExtremeGround) {
 
 TEST(WorldStress, LevelOfDetailFromAnywhere) {
     const test::FpTraps traps;
-    const Terrain terrain = rough_terrain(2);
+    const Terrain& terrain = rough_terrain();
     TerrainLod lod(terrain);
     const LodSettings settings;
     const glm::vec3 positions[] = {{0.0F, 0.0F, 0.0F},          {0.0F, 0.0F, -5000.0F},     {0.0F, 0.0F, 150000.0F},
@@ -66,8 +66,7 @@ TEST(WorldStress, ShadowsOfEverySun) {
         objects[k].mesh = k;
         objects[k].world_from_object[3] = glm::vec4(9.0F * static_cast<float>(k), 0.0F, 0.0F, 1.0F);
     }
-    const Terrain terrain = rough_terrain(1, 0.0F);
-    const TerrainLod lod(terrain);
+    const TerrainLod lod = flat_lod();
     ObjectShadows shadows(meshes, objects);
     for (const float elevation : {-1.5708F, -0.01F, 0.0F, 1e-7F, 0.021F, 0.3F, 1.2F, 1.5707963F}) {
         for (const float azimuth : {0.0F, 1.5707963F, 4.0F}) {
