@@ -338,6 +338,14 @@ void CloudLighting::bake_sky_directly(const SkySh& sky) {
 }
 
 CloudLighting::ViewFields CloudLighting::contract(const glm::dvec3& eye) const {
+    return contract(&eye);
+}
+
+CloudLighting::ViewFields CloudLighting::contract_mean() const {
+    return contract(nullptr);
+}
+
+CloudLighting::ViewFields CloudLighting::contract(const glm::dvec3* eye) const {
     ViewFields out;
     if (volume_ == nullptr || transport_->active_count() == 0) {
         return out;
@@ -381,7 +389,7 @@ CloudLighting::ViewFields CloudLighting::contract(const glm::dvec3& eye) const {
     const auto plane = std::size_t(lattice.dims.x) * std::size_t(lattice.dims.y);
     float weights[16];
     for (int k = 0; k < 16; ++k) {
-        weights[k] = view_weights_[band_of(k)];
+        weights[k] = eye != nullptr || k == 0 ? view_weights_[band_of(k)] : 0.0F;
     }
     parallel_for(std::size_t(lattice.dims.z), 4, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin * plane; cell < end * plane; ++cell) {
@@ -394,7 +402,7 @@ CloudLighting::ViewFields CloudLighting::contract(const glm::dvec3& eye) const {
                                static_cast<int>(cell / plane));
             const glm::vec3 at = glm::vec3(lattice.first) + glm::vec3(c * lattice.factor) +
                                  0.5F * static_cast<float>(lattice.factor - 1);
-            glm::vec3 towards_eye = (glm::vec3(eye) - at) * voxel;
+            glm::vec3 towards_eye = (eye != nullptr ? glm::vec3(*eye) - at : glm::vec3(0.0F)) * voxel;
             const float length2 = dot(towards_eye, towards_eye);
             towards_eye = length2 > 0.0F ? towards_eye / std::sqrt(length2) : glm::vec3(0.0F, 0.0F, 1.0F);
             float y[16];

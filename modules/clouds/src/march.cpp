@@ -43,7 +43,6 @@ struct MarchInput {
     FieldView field[3];
     const float* table; // [angle][depth]
     float table_decay, inverse_max_depth;
-    float eye[3];     // voxels from the volume's corner
     float step;       // metres
     float extinction; // along the eye ray, 1/m
     float beam_scale; // 1 / eye extinction over the medium's
@@ -53,6 +52,7 @@ struct MarchInput {
 
 // Up to 16 rays, structure of arrays.
 struct Packet {
+    float o[3][16]; // where distances are counted from: voxels from the volume's corner
     float d[3][16]; // voxels a metre
     float t0[16], t1[16];
     float angle[max_lights][16]; // table coordinates
@@ -215,9 +215,9 @@ void march_packet(const MarchInput& in, Packet& packet) {
     const V dx = hn::LoadU(d, packet.d[0]);
     const V dy = hn::LoadU(d, packet.d[1]);
     const V dz = hn::LoadU(d, packet.d[2]);
-    const V ex = hn::Set(d, in.eye[0]);
-    const V ey = hn::Set(d, in.eye[1]);
-    const V ez = hn::Set(d, in.eye[2]);
+    const V ex = hn::LoadU(d, packet.o[0]);
+    const V ey = hn::LoadU(d, packet.o[1]);
+    const V ez = hn::LoadU(d, packet.o[2]);
     const auto safe_inverse = [&](V v) {
         const V tiny = hn::Set(d, 1e-12F);
         return hn::Div(one, hn::IfThenElse(hn::Lt(hn::Abs(v), tiny), hn::CopySign(tiny, v), v));
@@ -235,7 +235,7 @@ void march_packet(const MarchInput& in, Packet& packet) {
     const V sy = hn::Set(d, in.volume.size[1] - 1e-3F);
     const V sz = hn::Set(d, in.volume.size[2] - 1e-3F);
 
-    V k = hn::Max(zero, hn::Floor(hn::Mul(t0, inverse_step)));
+    V k = zero;
     V width = one; // steps this sample stands for
     V transmittance = one;
     V depth = zero;
@@ -444,17 +444,14 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
     in.table = lighting.table().values().data();
     in.table_decay = lighting.table().decay();
     in.inverse_max_depth = 1.0F / lighting.table().max_depth();
-    for (int a = 0; a < 3; ++a) {
-        in.eye[a] = static_cast<float>(eye[a] - double(volume.min()[a]));
-    }
     in.step = settings.step_voxels * voxel;
     in.extinction = lighting.medium().extinction_per_m * lighting.eye_extinction();
     in.beam_scale = 1.0F / lighting.eye_extinction();
     in.optical_step = settings.optical_step;
     in.stop = settings.stop_transmittance;
     in.riemann = lighting.settings().method == LightingMethod::harris;
-    const glm::vec3 low = glm::vec3(volume.active_low() - volume.min()) - 1.0F;
-    const glm::vec3 high = glm::vec3(volume.active_high() - volume.min()) + 1.0F;
+    const glm::dvec3 low(volume.active_low() - 1);
+    const glm::dvec3 high(volume.active_high() + 1);
     // Packets are tiles four pixels wide: neighbours take the same bricks.
     const int lanes = static_cast<int>(HWY_DYNAMIC_DISPATCH(packet_lanes)());
     const int tile_w = std::min(4, lanes);
@@ -465,6 +462,7 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
         std::size_t(tiles_x) * std::size_t(tiles_y), 8,
         [&](std::size_t begin, std::size_t end) {
             Packet packet{};
+            double bases[16] = {};
             for (std::size_t tile = begin; tile < end; ++tile) {
                 const int x0 = static_cast<int>(tile % std::size_t(tiles_x)) * tile_w;
                 const int y0 = static_cast<int>(tile / std::size_t(tiles_x)) * tile_h;
@@ -476,20 +474,29 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
                         camera.direction(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
                     const glm::vec3 local(transform.local_direction(glm::dvec3(world)));
                     const glm::vec3 direction = local / glm::vec3(transform.voxel_m);
-                    float t0 = 0.0F;
-                    float t1 =
+                    double enter = 0.0;
+                    auto leave = double(
                         settings.scene_depth_m.empty()
                             ? 1e30F
-                            : settings.scene_depth_m[std::size_t(y) * std::size_t(camera.width) + std::size_t(x)];
+                            : settings.scene_depth_m[std::size_t(y) * std::size_t(camera.width) + std::size_t(x)]);
+                    for (int a = 0; a < 3; ++a) {
+                        const double inverse =
+                            1.0 / (std::abs(direction[a]) < 1e-12F ? std::copysign(1e-12, double(direction[a]))
+                                                                   : double(direction[a]));
+                        const double u = (low[a] - eye[a]) * inverse;
+                        const double v = (high[a] - eye[a]) * inverse;
+                        enter = std::max(enter, std::min(u, v));
+                        leave = std::min(leave, std::max(u, v));
+                    }
+                    // As in march_ray(): steps are counted from the eye, distances from the step that enters the box.
+                    const double base = enter < leave ? std::floor(enter / double(in.step)) * double(in.step) : 0.0;
+                    bases[lane] = base;
+                    const auto t0 = static_cast<float>(enter < leave ? enter - base : 1.0);
+                    const auto t1 = static_cast<float>(enter < leave ? leave - base : 0.0);
                     for (int a = 0; a < 3; ++a) {
                         packet.d[a][lane] = direction[a];
-                        const float inverse =
-                            1.0F /
-                            (std::abs(direction[a]) < 1e-12F ? std::copysign(1e-12F, direction[a]) : direction[a]);
-                        const float u = (low[a] - in.eye[a]) * inverse;
-                        const float v = (high[a] - in.eye[a]) * inverse;
-                        t0 = std::max(t0, std::min(u, v));
-                        t1 = std::min(t1, std::max(u, v));
+                        packet.o[a][lane] = static_cast<float>(
+                            enter < leave ? eye[a] - double(volume.min()[a]) + double(direction[a]) * base : 0.0);
                     }
                     packet.t0[lane] = t0;
                     packet.t1[lane] = t1;
@@ -524,7 +531,8 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
                     picture.radiance[pixel] =
                         glm::vec3(std::max(sum.x, 0.0F), std::max(sum.y, 0.0F), std::max(sum.z, 0.0F));
                     picture.transmittance[pixel] = packet.transmittance[lane];
-                    picture.depth_m[pixel] = packet.depth[lane];
+                    picture.depth_m[pixel] =
+                        packet.depth[lane] > 0.0F ? static_cast<float>(bases[lane] + double(packet.depth[lane])) : 0.0F;
                 }
             }
         },

@@ -134,6 +134,7 @@ namespace {
 struct Columns {
     std::vector<float> depth;
     double area_m2;
+    LightColumns where;
 };
 
 template <class Advance>
@@ -237,7 +238,7 @@ Columns sweep_columns(const Lattice& lattice, const std::vector<float>& density,
     });
     const double area =
         double(block_m[ua]) * double(block_m[va]) * double(std::abs(to_light[axis])); // across the light
-    return {std::move(behind), area};
+    return {std::move(behind), area, {axis, su, sv, d[axis] > 0.0F, {u0, v0}, {columns_u, columns_v}}};
 }
 
 } // namespace
@@ -245,17 +246,19 @@ Columns sweep_columns(const Lattice& lattice, const std::vector<float>& density,
 LightDepth light_depth(const Lattice& lattice, const std::vector<float>& density, const glm::vec3& block_m,
                        const glm::vec3& to_light, float removal_per_density) {
     LightDepth out;
-    const Columns columns = sweep_columns(lattice, density, block_m, to_light, out.depth,
-                                          [&](const float* a, const float* b, float fu, float fv, float* last,
-                                              float* depth, int count, int slice, float metres) {
-                                              HWY_DYNAMIC_DISPATCH(advance_row)
-                                              (a, b, fu, fv, slice == 0 ? 0.0F : 0.5F * metres, last, depth, count);
-                                          });
+    Columns columns = sweep_columns(lattice, density, block_m, to_light, out.depth,
+                                    [&](const float* a, const float* b, float fu, float fv, float* last, float* depth,
+                                        int count, int slice, float metres) {
+                                        HWY_DYNAMIC_DISPATCH(advance_row)
+                                        (a, b, fu, fv, slice == 0 ? 0.0F : 0.5F * metres, last, depth, count);
+                                    });
     double removed = 0.0;
     for (const float tau : columns.depth) {
         removed -= std::expm1(-double(removal_per_density) * double(tau));
     }
     out.removed_m2 = removed * columns.area_m2;
+    out.columns = columns.where;
+    out.behind = std::move(columns.depth);
     return out;
 }
 

@@ -626,7 +626,8 @@ TransportJob::TransportJob(const Transport& transport, Source source, int sweeps
         s.scatter[k] = static_cast<float>(transport.scaled_.albedo * transport.scaled_.moments[band(k)]);
         s.beam[k] *= s.scatter[k];
     }
-    // No cell of a cloud that absorbs nothing sees more scalar flux than 4 pi times the inflow, or 8 times the irradiance.
+    // No cell of a cloud that absorbs nothing sees more scalar flux than 4 pi times the inflow, or 8 times the
+    // irradiance.
     s.brightest = 0.28209479F * (*std::max_element(s.source.inflow.begin(), s.source.inflow.end()) * 13.2F +
                                  (s.source.deposit.empty() ? 0.0F : 8.0F));
     s.source0.assign(transport.sigma_.size(), 0.0F);
@@ -683,8 +684,8 @@ void TransportJob::end_sweep() {
         for (int k = 0; k < 16; ++k) {
             a[k] += b[k];
         }
-        // What radiance can be at all, with room for the lobes that truncated moments have: keeps media that three moments
-        // cannot describe (a needle of a backward peak) from feeding on themselves.
+        // What radiance can be at all, with room for the lobes that truncated moments have: keeps media that three
+        // moments cannot describe (a needle of a backward peak) from feeding on themselves.
         a[0] = std::clamp(a[0], 0.0F, s.brightest);
         for (int k = 1; k < 16; ++k) {
             const float most = 5.3F * a[0];

@@ -93,6 +93,9 @@ public:
     };
     [[nodiscard]] ViewFields contract(const glm::dvec3& eye) const;
 
+    // The same for any eye: the mean over directions of what is scattered, for uses that can spare the directions.
+    [[nodiscard]] ViewFields contract_mean() const;
+
     // Mean radiance from all directions at index coordinates (multiply scattered and sky light, without direct
     // sunlight).
     [[nodiscard]] glm::vec3 mean_radiance(const glm::vec3& index) const;
@@ -100,6 +103,7 @@ public:
     [[nodiscard]] std::size_t memory_bytes() const;
 
 private:
+    [[nodiscard]] ViewFields contract(const glm::dvec3* eye) const;
     struct Jobs;
     void bake_sky_directly(const SkySh& sky);
     BakeStats finish();

@@ -26,4 +26,14 @@ struct MarchSettings {
 [[nodiscard]] Picture march_scalar(const BrickVolume& volume, const CloudLighting& lighting, const Camera& camera,
                                    const MarchSettings& settings = {});
 
+// One ray of march_scalar(), with fields contracted by the caller. eye: index coordinates; world: unit.
+struct RayLight {
+    glm::vec3 radiance{0.0F};
+    float transmittance = 1.0F;
+    float depth_m = 0.0F;
+};
+[[nodiscard]] RayLight march_ray(const BrickVolume& volume, const CloudLighting& lighting,
+                                 const CloudLighting::ViewFields& fields, const glm::dvec3& eye, const glm::vec3& world,
+                                 const MarchSettings& settings, float t_end);
+
 } // namespace alpenglow::clouds

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include <alpenglow/clouds/bricks.hpp>
@@ -44,9 +45,20 @@ struct Field16 {
 // taken one after the other, from the light's side; columns that run along the light gather the trapezoid rule of the
 // density resampled once per slice, and each slice's depths are read back at block centres with one bilinear
 // interpolation. A sweep that interpolates depths again at every step blurs them, and ruins pictures against the light.
+struct LightColumns {
+    int axis = 2;         // the light's main axis; u and v are the other two, the lower first
+    float shift_u = 0.0F; // blocks that a column moves towards the light a slice
+    float shift_v = 0.0F;
+    bool light_above = true; // the light is on the axis's high side
+    glm::ivec2 first{0};     // column (0, 0) passes block (first.x, first.y) of the slice nearest to the light
+    glm::ivec2 dims{0};
+};
+
 struct LightDepth {
     std::vector<float> depth; // of each block centre, unit density * metres: multiply by Medium::extinction_per_m
-    double removed_m2 = 0.0;  // integral over the light's wave front of 1 - exp(-factor * depth of the whole column)
+    LightColumns columns;
+    std::vector<float> behind; // depth of each whole column, u fastest
+    double removed_m2 = 0.0;   // integral over the light's wave front of 1 - exp(-factor * depth of the whole column)
 };
 
 // `density`: block means on `lattice`, x fastest. block_m: the blocks' size. to_light: unit, in the grid's frame.
