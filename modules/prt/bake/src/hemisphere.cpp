@@ -35,7 +35,8 @@ void turn(const glm::mat3& frame, const DirectionList& in, DirectionList& out) {
 Hemisphere::Hemisphere(const BakeSettings& settings)
     : sampling_(settings.sampling), order_(settings.order),
       coefficients_(static_cast<std::size_t>(settings.order * settings.order)), padded_((coefficients_ + 7) / 8 * 8),
-      rays_(std::max<std::size_t>(settings.rays, 1)), max_error_(settings.max_error), seed_(settings.seed) {
+      rays_(std::max<std::size_t>(settings.rays, 1)), max_error_(settings.max_error), seed_(settings.seed),
+      measure_(settings.measure_tracer) {
     std::array<float, row_floats> zonal{};
     unshadowed(order_, glm::vec3(0.0F, 0.0F, 1.0F), zonal);
     double norm2 = 0.0;
@@ -61,7 +62,7 @@ Hemisphere::Hemisphere(const BakeSettings& settings)
     }
     // Eight times as many cells on the finest grid as on the one whose nodes are all shot, which finds what there is.
     std::size_t rings = 4;
-    for (; rings <= 8 || 2 * rings * rings <= rays_; rings *= 2) {
+    for (; rings <= 8 || (2 * rings * rings <= rays_ && rings <= 256); rings *= 2) {
         Level& level = levels_.emplace_back();
         level.rings = rings;
         level.sectors = 2 * rings;
@@ -116,6 +117,10 @@ Hemisphere::Hemisphere(const BakeSettings& settings)
                 du.values[i] = static_cast<float>(slope_u[i]);
                 dv.values[i] = static_cast<float>(slope_v[i]);
             }
+            if (cell % level.sectors == 0) {
+                level.ring_integral.emplace_back();
+            }
+            add(level.ring_integral.back(), m);
         }
     }
 }
@@ -149,10 +154,8 @@ HemisphereResult Hemisphere::trace_list(const Scene& scene, const glm::vec3& ori
     const std::size_t count = local.size();
     scratch.hit.resize(count);
     turn(frame, local, scratch.directions);
-    const double start = thread_cpu_seconds();
-    scene.occluded(origin, scratch.directions.x.data(), scratch.directions.y.data(), scratch.directions.z.data(), 1,
-                   count, scratch.hit.data());
-    const double tracing_s = thread_cpu_seconds() - start;
+    HemisphereResult result;
+    ask(scene, origin, scratch, count, result);
 
     std::size_t blocked = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -161,7 +164,6 @@ HemisphereResult Hemisphere::trace_list(const Scene& scene, const glm::vec3& ori
     // The sum over the smaller set; the other follows from the closed form, so that a free point is exact and a
     // closed-in one is exactly dark.
     const bool sum_visible = 2 * blocked > count;
-    HemisphereResult result;
     CoefficientRow sum;
     std::array<float, sh::max_coefficients> y{};
     for (std::size_t i = 0; i < count; ++i) {
@@ -191,9 +193,19 @@ HemisphereResult Hemisphere::trace_list(const Scene& scene, const glm::vec3& ori
         variance *= 2.0 / std::sqrt(static_cast<double>(count));
     }
     result.variance = variance;
-    result.rays = count;
-    result.tracing_s = tracing_s;
     return result;
+}
+
+void Hemisphere::ask(const Scene& scene, const glm::vec3& origin, Scratch& scratch, std::size_t count,
+                     HemisphereResult& result) const {
+    const double start = measure_ ? thread_cpu_seconds() : 0.0;
+    scene.occluded(origin, scratch.directions.x.data(), scratch.directions.y.data(), scratch.directions.z.data(), 1,
+                   count, scratch.hit.data());
+    if (measure_) {
+        result.tracing_s += thread_cpu_seconds() - start;
+    }
+    result.rays += count;
+    ++result.batches;
 }
 
 void Hemisphere::shoot(const Scene& scene, const glm::vec3& origin, const glm::mat3& frame, const DirectionList& local,
@@ -201,11 +213,7 @@ void Hemisphere::shoot(const Scene& scene, const glm::vec3& origin, const glm::m
     const std::size_t count = local.size();
     turn(frame, local, scratch.directions);
     scratch.hit.resize(count);
-    const double start = thread_cpu_seconds();
-    scene.occluded(origin, scratch.directions.x.data(), scratch.directions.y.data(), scratch.directions.z.data(), 1,
-                   count, scratch.hit.data());
-    result.tracing_s += thread_cpu_seconds() - start;
-    result.rays += count;
+    ask(scene, origin, scratch, count, result);
 }
 
 // Contours of the blocked part, marching squares: an edge whose ends differ is halved three times to find where, a cell
@@ -222,9 +230,22 @@ Hemisphere::Coverage Hemisphere::integrate(const Level& level, const Scene& scen
         return coverage; // all of one kind: nothing of the other
     }
     const auto next = [&](std::size_t j) { return j + 1 == sectors ? 0 : j + 1; };
+    // Rings of one kind, as most are: 0 or 1, and 2 for mixed ones.
+    std::array<std::uint8_t, 257> ring_kind{};
+    for (std::size_t i = 0; i <= rings; ++i) {
+        unsigned sum = 0;
+        for (std::size_t j = 0; j < sectors; ++j) {
+            sum += node[i * sectors + j];
+        }
+        ring_kind[i] = sum == 0 ? 0 : sum == sectors ? 1 : 2;
+    }
+    const auto uniform_ring = [&](std::size_t i) { return ring_kind[i] != 2 && ring_kind[i] == ring_kind[i + 1]; };
     scratch.crossings.clear();
     const std::size_t edges = (rings + 1) * sectors; // angular edges are numbered behind the radial ones
     for (std::size_t i = 0; i <= rings; ++i) {
+        if (ring_kind[i] != 2 && (i == rings || uniform_ring(i))) {
+            continue;
+        }
         for (std::size_t j = 0; j < sectors; ++j) {
             const std::size_t at = i * sectors + j;
             if (i < rings && node[at] != node[at + sectors]) {
@@ -266,6 +287,9 @@ Hemisphere::Coverage Hemisphere::integrate(const Level& level, const Scene& scen
     scratch.asked.clear();
     scratch.local.resize(0);
     for (std::size_t i = 0; i < rings; ++i) {
+        if (uniform_ring(i)) {
+            continue;
+        }
         for (std::size_t j = 0; j < sectors; ++j) {
             const std::size_t a = i * sectors + j;
             const std::size_t d = i * sectors + next(j);
@@ -282,6 +306,13 @@ Hemisphere::Coverage Hemisphere::integrate(const Level& level, const Scene& scen
 
     const double measure = 1.0 / static_cast<double>(rings * sectors);
     for (std::size_t i = 0; i < rings; ++i) {
+        if (uniform_ring(i)) {
+            if (ring_kind[i] == coverage.kind) {
+                add(coverage.sum, level.ring_integral[i]);
+                coverage.part += measure * static_cast<double>(sectors);
+            }
+            continue;
+        }
         for (std::size_t j = 0; j < sectors; ++j) {
             const std::size_t a = i * sectors + j;
             const std::size_t d = i * sectors + next(j);

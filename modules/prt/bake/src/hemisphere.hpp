@@ -27,7 +27,8 @@ struct HemisphereResult {
     double visibility = 1.0; // int V cos/pi
     double variance = 0.0;   // of the transfer vector: E |error|^2, estimated
     std::uint64_t rays = 0;
-    double tracing_s = 0.0; // CPU time within the ray tracer
+    std::uint64_t batches = 0; // calls of the ray tracer
+    double tracing_s = 0.0;    // CPU time within the ray tracer, if measured
 };
 
 // Many directions, component by component.
@@ -87,6 +88,7 @@ private:
         std::vector<CoefficientRow> integral; // int over a cell of cos/pi y,
         std::vector<CoefficientRow> slope_u;  // and of its best linear fit the slopes along the cell's sides
         std::vector<CoefficientRow> slope_v;
+        std::vector<CoefficientRow> ring_integral; // of a ring's cells together
         std::vector<std::uint32_t> fresh; // nodes that the next coarser grid does not have, and their directions
         DirectionList fresh_directions;
         [[nodiscard]] glm::vec3 direction(std::size_t eighth_u, std::size_t eighth_v) const {
@@ -107,6 +109,8 @@ private:
                                                   Scratch& scratch) const;
     void shoot(const Scene& scene, const glm::vec3& origin, const glm::mat3& frame, const DirectionList& local,
                Scratch& scratch, HemisphereResult& result) const;
+    void ask(const Scene& scene, const glm::vec3& origin, Scratch& scratch, std::size_t count,
+             HemisphereResult& result) const;
     void add(CoefficientRow& sum, const CoefficientRow& row) const noexcept {
         for (std::size_t i = 0; i < padded_; ++i) {
             sum.values[i] += row.values[i];
@@ -122,6 +126,7 @@ private:
     std::size_t rays_;
     double max_error_;
     std::uint64_t seed_;
+    bool measure_;
     DirectionList directions_;         // fibonacci
     std::vector<CoefficientRow> rows_; // fibonacci
     std::vector<Level> levels_;        // adaptive

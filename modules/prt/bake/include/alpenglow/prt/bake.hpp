@@ -47,6 +47,7 @@ struct BakeSettings {
     unsigned threads = 0;                             // 0: parallel_threads(); the result is the same for any number
     std::size_t memory_bytes = std::size_t{1} << 30U; // for the hits that bounces use; past it they are traced again
     ProgressCallback progress;
+    bool measure_tracer = false; // fill BakeReport::tracing_cpu_s: reading the clock costs as much as a few rays
 };
 
 // What came of it. Errors of transfer vectors are relative: 2-norm of the difference over the 2-norm of an unoccluded
@@ -64,7 +65,7 @@ struct BakeReport {
     double furnace_worst = 1.0; // the one farthest from 1
     bool hits_kept = true;      // false: memory_bytes was too small, bounces traced again
     double rays_cpu_s = 0.0;         // making, shooting and summing up rays
-    double tracing_cpu_s = 0.0;      // of that, shadow rays within the ray tracer
+    double tracing_cpu_s = 0.0;      // of that, shadow rays within the ray tracer, if measured
     double bounces_cpu_s = 0.0;
     double wall_s = 0.0;
 
