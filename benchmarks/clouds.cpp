@@ -1,0 +1,462 @@
+#include "bench.hpp"
+
+#include <alpenglow/clouds/march.hpp>
+#include <alpenglow/clouds/modelling.hpp>
+#include <alpenglow/clouds/reference.hpp>
+#include <alpenglow/clouds/vdb.hpp>
+#include <alpenglow/core/timing.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+namespace alpenglow::bench {
+namespace {
+
+using namespace clouds;
+
+// The benchmarks' cloud, made once.
+struct Study {
+    SparseGrid grid = cumulus_of_study();
+    BrickVolume volume{grid};
+    VdbGrid vdb = vdb_from_sparse(grid, "density");
+    Medium medium{1.0F, 0.99F, {}};
+    DirectionalLight sun{{0.0F, 0.8660254F, 0.5F}, glm::vec3(1.0F), 0.0F};
+    glm::dvec3 centre = glm::dvec3(volume.active_low() + volume.active_high()) * 0.5;
+};
+
+const Study& study() {
+    static const Study value;
+    return value;
+}
+
+Camera camera(int width, int height) {
+    const Study& s = study();
+    return look_at(s.centre + glm::dvec3(260.0, -120.0, -60.0), s.centre, 0.26F, width, height);
+}
+
+// CPU time of all threads: bakes and marches use helpers, which Context::time would not see.
+Time cpu_time(const Context& context, const std::function<void()>& call) {
+    std::vector<double> ns;
+    const int repetitions = context.quick() ? 2 : 5;
+    call();
+    for (int i = 0; i < repetitions; ++i) {
+        const double start = process_cpu_seconds();
+        call();
+        ns.push_back((process_cpu_seconds() - start) * 1e9);
+    }
+    std::sort(ns.begin(), ns.end());
+    return {ns[ns.size() / 2], (ns[3 * ns.size() / 4] - ns[ns.size() / 4]) / ns[ns.size() / 2]};
+}
+
+void add(const Context& context, Row row, const std::function<void()>& call) {
+    const Time time = cpu_time(context, call);
+    row.module = "clouds";
+    row.time_ns = time.ns / row.items;
+    row.time_spread = time.spread;
+    context.add(std::move(row));
+}
+
+double relative_rmse(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
+    double error = 0.0;
+    double norm = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const double x = luminance(glm::dvec3(a[i]));
+        const double y = luminance(glm::dvec3(b[i]));
+        error += (x - y) * (x - y);
+        norm += y * y;
+    }
+    return std::sqrt(error / norm);
+}
+
+float random_at(std::uint32_t i) {
+    i *= 0x9e3779b1U;
+    i ^= i >> 15;
+    i *= 0x846ca68bU;
+    i ^= i >> 13;
+    return static_cast<float>(i >> 8) * 0x1p-24F;
+}
+
+const Case sampling_case("clouds/sample", [](const Context& context) {
+    const Study& s = study();
+    // Short straight runs through the cloud, as rays make them.
+    const std::size_t count = 1 << 16;
+    std::vector<glm::vec3> points;
+    const glm::vec3 low(s.volume.active_low());
+    const glm::vec3 size(s.volume.active_high() - s.volume.active_low());
+    for (std::uint32_t ray = 0; points.size() < count; ++ray) {
+        glm::vec3 p = low + size * glm::vec3(random_at(3 * ray), random_at(3 * ray + 1), random_at(3 * ray + 2));
+        for (int i = 0; i < 32; ++i) {
+            points.push_back(p);
+            p += glm::vec3(0.6F, 0.7F, 0.3F);
+        }
+    }
+    std::vector<float> x;
+    std::vector<float> y;
+    std::vector<float> z;
+    for (const glm::vec3& p : points) {
+        x.push_back(p.x);
+        y.push_back(p.y);
+        z.push_back(p.z);
+    }
+    std::vector<float> exact(points.size());
+    std::vector<float> got(points.size());
+    const auto worst = [&] {
+        double error = 0.0;
+        for (std::size_t i = 0; i < got.size(); ++i) {
+            error = std::max(error, std::abs(double(got[i]) - double(exact[i])));
+        }
+        return error;
+    };
+    Row row{.module = "clouds",
+            .name = "sample, trilinear",
+            .method = "OpenVDB accessor + BoxSampler",
+            .error_metric = "max absolute density (range 0 .. 1), 65536 points on short rays",
+            .reference = "OpenVDB BoxSampler",
+            .bytes = double(s.vdb.memory_bytes()),
+            .items = double(points.size())};
+    context.run(row, [&] { sample_vdb(s.vdb, points, exact); });
+    row.method = "bricks, 8 bits, scalar";
+    row.bytes = double(s.volume.memory_bytes());
+    const auto scalar = [&] {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            got[i] = s.volume.sample(points[i]);
+        }
+    };
+    scalar();
+    row.error = worst();
+    context.run(row, scalar);
+    row.method = "bricks, 8 bits, batch";
+    sample_batch(s.volume, x, y, z, got);
+    row.error = worst();
+    context.run(row, [&] { sample_batch(s.volume, x, y, z, got); });
+});
+
+const Case depth_case("clouds/optical depth", [](const Context& context) {
+    const Study& s = study();
+    const Lattice lattice = lattice_over(s.volume, 1, 1, std::size_t(8) << 20);
+    const std::vector<float> density = s.volume.block_means(lattice.first, lattice.dims, 1);
+    std::vector<std::size_t> active;
+    for (std::size_t i = 0; i < density.size(); ++i) {
+        if (density[i] > 0.0F) {
+            active.push_back(i);
+        }
+    }
+    // The march is timed and compared on every 97th active voxel; times are of a whole bake.
+    std::vector<std::size_t> tried;
+    for (std::size_t i = 0; i < active.size(); i += 97) {
+        tried.push_back(active[i]);
+    }
+    const auto index_of = [&](std::size_t i) {
+        const auto nx = std::size_t(lattice.dims.x);
+        const auto ny = std::size_t(lattice.dims.y);
+        return glm::dvec3(lattice.first + glm::ivec3(static_cast<int>(i % nx), static_cast<int>(i / nx % ny),
+                                                     static_cast<int>(i / nx / ny)));
+    };
+    std::vector<double> exact;
+    for (const std::size_t i : tried) {
+        exact.push_back(std::exp(-marched_depth(s.volume, index_of(i), s.sun.to_light, 0.25)));
+    }
+    const auto rms = [&](const std::vector<double>& depth) {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < tried.size(); ++i) {
+            sum += std::pow(std::exp(-depth[i]) - exact[i], 2.0);
+        }
+        return std::sqrt(sum / double(tried.size()));
+    };
+    Row row{.module = "clouds",
+            .name = "optical depth to the sun, whole cloud",
+            .method = "march, full resolution",
+            .error_metric = "RMS transmittance, every 97th active voxel",
+            .reference = "march with quarter steps"};
+    std::vector<double> marched(tried.size());
+    const auto march_some = [&] {
+        for (std::size_t i = 0; i < tried.size(); ++i) {
+            marched[i] = marched_depth(s.volume, index_of(tried[i]), s.sun.to_light, 1.0);
+        }
+    };
+    march_some();
+    row.error = rms(marched);
+    const Time time = cpu_time(context, march_some);
+    row.module = "clouds";
+    row.time_ns = time.ns * double(active.size()) / double(tried.size());
+    row.time_spread = time.spread;
+    context.add(row);
+    // The peer's march: OpenVDB, point by point.
+    row.method = "march, OpenVDB BoxSampler";
+    row.error = rms(marched);
+    std::vector<glm::vec3> points;
+    std::size_t rays = 0;
+    for (; rays < tried.size() && points.size() < 300000; ++rays) {
+        glm::vec3 p(index_of(tried[rays]));
+        while (p.y < float(s.volume.active_high().y) && p.z < float(s.volume.active_high().z)) {
+            points.push_back(p);
+            p += s.sun.to_light;
+        }
+    }
+    std::vector<float> values(points.size());
+    const Time peer = cpu_time(context, [&] { sample_vdb(s.vdb, points, values); });
+    row.time_ns = peer.ns * double(active.size()) / double(rays);
+    row.time_spread = peer.spread;
+    context.add(row);
+    for (const int factor : {1, 2}) {
+        const Lattice on = lattice_over(s.volume, factor, 1, std::size_t(8) << 20);
+        const std::vector<float> means = s.volume.block_means(on.first, on.dims, on.factor);
+        const glm::vec3 block(static_cast<float>(factor));
+        const LightDepth columns = light_depth(on, means, block, s.sun.to_light, 1.0F);
+        const Field16 field(on, columns.depth);
+        std::vector<double> depth;
+        for (const std::size_t i : tried) {
+            depth.push_back(double(field.sample(glm::vec3(index_of(i)))));
+        }
+        row.method = factor == 1 ? "sheared columns" : "sheared columns, half resolution";
+        row.error = rms(depth);
+        row.bytes = double(field.memory_bytes());
+        add(context, row, [&] { keep(light_depth(on, means, block, s.sun.to_light, 1.0F).depth.data()); });
+    }
+});
+
+// The peer's frame: VolumeRayIntersector, BoxSampler, and a shadow march at every sample.
+std::vector<glm::vec3> openvdb_frame(const Camera& view, float step, float shadow_step) {
+    const Study& s = study();
+    struct Sample {
+        std::size_t ray;
+        float t;
+        float density;
+    };
+    std::vector<glm::vec3> origins;
+    std::vector<glm::vec3> directions;
+    for (int y = 0; y < view.height; ++y) {
+        for (int x = 0; x < view.width; ++x) {
+            origins.emplace_back(view.position_m);
+            directions.push_back(view.direction(float(x) + 0.5F, float(y) + 0.5F));
+        }
+    }
+    struct State {
+        std::vector<Sample> samples;
+        std::vector<float> transmittance;
+        float step;
+    } state{{}, std::vector<float>(origins.size(), 1.0F), step};
+    march_vdb(
+        s.vdb, origins, directions, step,
+        [](void* user, std::size_t ray, float t, float density) {
+            auto& st = *static_cast<State*>(user);
+            if (density > 0.0F) {
+                st.samples.push_back({ray, t, density});
+                st.transmittance[ray] *= std::exp(-density * st.step);
+            }
+            return st.transmittance[ray] > 1e-3F;
+        },
+        &state);
+    std::vector<glm::vec3> image(origins.size(), glm::vec3(0.0F));
+    std::vector<float> transmittance(origins.size(), 1.0F);
+    std::vector<glm::vec3> points;
+    std::vector<float> densities;
+    for (const Sample& sample : state.samples) {
+        points.clear();
+        glm::vec3 p = origins[sample.ray] + directions[sample.ray] * sample.t + s.sun.to_light * (0.5F * shadow_step);
+        while (p.y < float(s.volume.active_high().y + 1) && p.z < float(s.volume.active_high().z + 1)) {
+            points.push_back(p);
+            p += s.sun.to_light * shadow_step;
+        }
+        densities.resize(points.size());
+        sample_vdb(s.vdb, points, densities);
+        float depth = 0.0F;
+        for (const float d : densities) {
+            depth += d * shadow_step;
+        }
+        const glm::vec3 off = s.sun.to_light - directions[sample.ray];
+        const float phase = phase_value(s.medium.phase, 0.5F * (off.x * off.x + off.y * off.y + off.z * off.z));
+        const float e = std::exp(-sample.density * step);
+        image[sample.ray] +=
+            glm::vec3(transmittance[sample.ray] * (1.0F - e) * s.medium.albedo * phase * std::exp(-depth));
+        transmittance[sample.ray] *= e;
+    }
+    return image;
+}
+
+const Case frame_case("clouds/frame", [](const Context& context) {
+    const Study& s = study();
+    const Camera view = camera(context.quick() ? 48 : 96, context.quick() ? 27 : 54);
+    const std::vector<glm::vec3> exact = openvdb_frame(view, 0.25F, 0.25F);
+    Row row{.module = "clouds",
+            .name = "frame, single scattering, 96 x 54",
+            .method = "",
+            .error_metric = "relative RMSE of luminance",
+            .reference = "OpenVDB, quarter-voxel steps for rays and shadows"};
+    for (const float step : {0.5F, 1.0F, 2.0F}) {
+        row.method = "OpenVDB VolumeRayIntersector, step " + std::to_string(step).substr(0, 3);
+        row.error = relative_rmse(openvdb_frame(view, step, 1.0F), exact);
+        add(context, row, [&] { keep(openvdb_frame(view, step, 1.0F).data()); });
+    }
+    LightingSettings settings;
+    settings.method = LightingMethod::single_scattering;
+    CloudLighting lighting;
+    lighting.reset(s.volume, s.medium, settings);
+    lighting.bake_light(0, s.sun);
+    for (const float step : {0.25F, 0.5F, 1.0F, 2.0F, 4.0F}) {
+        MarchSettings march_settings;
+        march_settings.step_voxels = step;
+        row.method = "bricks, vectors, step " + std::to_string(step).substr(0, 4);
+        row.error = relative_rmse(march(s.volume, lighting, view, march_settings).radiance, exact);
+        add(context, row, [&] { keep(march(s.volume, lighting, view, march_settings).radiance.data()); });
+    }
+    row.method = "bricks, scalar, step 1";
+    row.error = relative_rmse(march_scalar(s.volume, lighting, view).radiance, exact);
+    add(context, row, [&] { keep(march_scalar(s.volume, lighting, view).radiance.data()); });
+});
+
+const Case bake_case("clouds/bake", [](const Context& context) {
+    const Study& s = study();
+    Row row{.module = "clouds",
+            .name = "bake, study cloud",
+            .method = "",
+            .error_metric = "relative change of the scalar flux in the last sweep",
+            .reference = "docs/clouds.md has the error against the path tracer"};
+    for (const int factor : {3, 2}) {
+        LightingSettings settings;
+        settings.transport_factor = factor;
+        const std::string grid = factor == 2 ? ", half grid" : ", third grid";
+        CloudLighting lighting;
+        row.method = "transport: preparation" + grid;
+        add(context, row, [&] { lighting.reset(s.volume, s.medium, settings); });
+        row.method = "transport: sun, cold" + grid;
+        row.error = double(lighting.bake_light(0, s.sun, false).residual);
+        add(context, row, [&] { lighting.bake_light(0, s.sun, false); });
+        row.method = "transport: sky, cold" + grid;
+        row.error = double(lighting.bake_sky(SkySh::uniform(glm::vec3(1.0F)), false).residual);
+        add(context, row, [&] { lighting.bake_sky(SkySh::uniform(glm::vec3(1.0F)), false); });
+        row.method = "transport: turning sun, one warm sweep" + grid;
+        row.error = double(lighting.bake_light(0, s.sun).residual);
+        add(context, row, [&] { lighting.bake_light(0, s.sun); });
+        row.method = "transport: turning sun, what a frame waits for" + grid;
+        row.error = 0.0;
+        add(context, row, [&] { lighting.start_light(0, s.sun); });
+        row.bytes = double(lighting.memory_bytes());
+        row.method = "transport: fields for an eye" + grid;
+        add(context, row, [&] { keep(lighting.contract(glm::dvec3(300.0, 0.0, 0.0)).fields.size()); });
+        row.bytes = 0.0;
+    }
+    for (const auto& [method, name] :
+         {std::pair{LightingMethod::single_scattering, "single scattering"},
+          std::pair{LightingMethod::harris, "Harris"}, std::pair{LightingMethod::octaves, "octaves"}}) {
+        LightingSettings settings;
+        settings.method = method;
+        CloudLighting lighting;
+        lighting.reset(s.volume, s.medium, settings);
+        row.method = std::string(name) + ": sun";
+        row.error = 0.0;
+        add(context, row, [&] { lighting.bake_light(0, s.sun); });
+    }
+});
+
+const Case lighting_case("clouds/lighting", [](const Context& context) {
+    // A small ragged cloud whose reference a benchmark can afford; the study's tables are in docs/clouds.md.
+    const SparseGrid grid = noise_cloud(42, 48);
+    const BrickVolume volume(grid);
+    const Medium medium{1.0F, 0.99F, {PhaseKind::henyey_greenstein, 0.7F, 0.0F, 1.0F}};
+    const DirectionalLight sun{{0.0F, 0.8660254F, 0.5F}, glm::vec3(1.0F), 0.0F};
+    const glm::dvec3 centre(24.0);
+    const Camera view = look_at(centre + glm::dvec3(100.0, 20.0, 10.0), centre, 0.3F, 32, 24);
+    ReferenceScene scene;
+    scene.grid = &grid;
+    scene.medium = medium;
+    scene.lights = {sun};
+    ReferenceImage truth(32, 24);
+    PathTracer(std::move(scene)).render(view, truth, 0, context.quick() ? 64 : 1024);
+    Camera fine = view;
+    fine.width *= 4;
+    fine.height *= 4;
+    struct Tried {
+        const char* name;
+        LightingMethod method;
+        int factor;
+        int sweeps;
+    };
+    for (const Tried& tried : {Tried{"(a) single scattering", LightingMethod::single_scattering, 2, 4},
+                               {"(b) Harris", LightingMethod::harris, 2, 4},
+                               {"(c) octaves", LightingMethod::octaves, 2, 4},
+                               {"(d) transport, quarter grid", LightingMethod::transport, 4, 4},
+                               {"(d) transport, third grid", LightingMethod::transport, 3, 4},
+                               {"(d) transport, half grid, P1 only", LightingMethod::transport, 2, 0},
+                               {"(d) transport, half grid, 1 sweep", LightingMethod::transport, 2, 1},
+                               {"(d) transport, half grid, 2 sweeps", LightingMethod::transport, 2, 2},
+                               {"(d) transport, half grid, 4 sweeps", LightingMethod::transport, 2, 4},
+                               {"(d) transport, half grid, 8 sweeps", LightingMethod::transport, 2, 8},
+                               {"(d) transport, full grid, 8 sweeps", LightingMethod::transport, 1, 8}}) {
+        LightingSettings settings;
+        settings.method = tried.method;
+        settings.transport_factor = tried.factor;
+        settings.sweeps = tried.sweeps;
+        CloudLighting lighting;
+        lighting.reset(volume, medium, settings);
+        lighting.bake_light(0, sun, false);
+        const Picture rays = march(volume, lighting, fine);
+        std::vector<glm::vec3> image(32 * 24, glm::vec3(0.0F));
+        std::vector<float> clear(image.size(), 0.0F);
+        for (std::size_t i = 0; i < rays.radiance.size(); ++i) {
+            const std::size_t to = i / 128 / 4 * 32 + i % 128 / 4;
+            image[to] += rays.radiance[i] / 16.0F;
+            clear[to] += rays.transmittance[i] / 16.0F;
+        }
+        std::vector<bool> mask;
+        for (const float t : clear) {
+            mask.push_back(t < 0.99F);
+        }
+        const ImageError error = image_error(image, truth, mask);
+        Row row{.module = "clouds",
+                .name = "image error against bake time, noise cloud",
+                .method = tried.name,
+                .error = error.relative_rmse,
+                .error_metric = "relative RMSE of luminance, 32 x 24, side view",
+                .reference = "path tracer, 1024 samples a pixel, its noise taken out"};
+        add(context, row, [&] { lighting.bake_light(0, sun, false); });
+    }
+});
+
+const Case reference_case("clouds/reference", [](const Context& context) {
+    const Study& s = study();
+    ReferenceScene scene;
+    scene.grid = &s.grid;
+    scene.medium = s.medium;
+    scene.lights = {s.sun};
+    const PathTracer tracer(std::move(scene));
+    const Camera view = camera(160, 90);
+    ReferenceImage image(160, 90);
+    const int samples = context.quick() ? 4 : 16;
+    Row row{.module = "clouds",
+            .name = "path tracer, 160 x 90",
+            .method = "delta and ratio tracking",
+            .error_metric = "unbiased",
+            .reference = "itself",
+            .items = double(samples) * 160.0 * 90.0};
+    add(context, row, [&] { tracer.render(view, image, 0, std::uint64_t(samples)); });
+});
+
+const Case memory_case("clouds/memory", [](const Context& context) {
+    const Study& s = study();
+    LightingSettings settings;
+    CloudLighting lighting;
+    lighting.reset(s.volume, s.medium, settings);
+    lighting.bake_light(0, s.sun);
+    const Camera view = camera(96, 54);
+    const Picture full = march(s.volume, lighting, view);
+    Row row{.module = "clouds",
+            .name = "memory",
+            .method = "OpenVDB tree",
+            .error_metric = "relative RMSE of the picture",
+            .reference = "16-bit fields, 8-bit bricks"};
+    row.bytes = double(s.vdb.memory_bytes());
+    context.add(row);
+    row.method = "bricks, 8 bits";
+    row.bytes = double(s.volume.memory_bytes());
+    context.add(row);
+    row.method = "light: depth and moments, all that bakes keep";
+    row.bytes = double(lighting.memory_bytes());
+    context.add(row);
+    static_cast<void>(full);
+});
+
+} // namespace
+} // namespace alpenglow::bench
