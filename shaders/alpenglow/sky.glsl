@@ -3,5 +3,6 @@
 #define ALPENGLOW_SKY_GLSL
 
 #include "aerial_perspective.glsl"
+#include "sky_view.glsl"
 
 #endif

@@ -94,7 +94,6 @@ std::uint32_t checksum(std::span<const std::uint8_t> bytes) {
 }
 
 constexpr std::uint32_t magic = 0x46594b53U; // "SKYF"
-constexpr std::uint32_t version = 1;
 
 } // namespace
 
@@ -109,7 +108,7 @@ std::size_t SkyFit::bytes() const {
     return sum;
 }
 
-std::vector<std::uint8_t> write_fit(const SkyFit& fit) {
+std::vector<std::uint8_t> write_fit(const SkyFit& fit, FitStorage storage) {
     Writer body;
     body.put(static_cast<std::uint32_t>(fit.normaliser));
     body.put(static_cast<std::uint32_t>(fit.bands));
@@ -130,8 +129,33 @@ std::vector<std::uint8_t> write_fit(const SkyFit& fit) {
         for (const std::uint8_t d : part.log_degrees) {
             body.put(d);
         }
-        for (const float c : part.rows) {
-            body.put(c);
+        if (storage == FitStorage::float32) {
+            for (const float c : part.rows) {
+                body.put(c);
+            }
+        } else {
+            // Rows within a sixteenth of the largest stay whole: their rounding would show. A scale of 0 says so.
+            const std::size_t n = fit.functions();
+            const auto largest = [&](std::size_t first, std::size_t count) {
+                float most = 1e-30F;
+                for (std::size_t f = first; f < first + count; ++f) {
+                    most = std::max(most, std::abs(part.rows[f]));
+                }
+                return most;
+            };
+            const float all = largest(0, part.rows.size());
+            for (std::size_t r = 0; r < row_count(part); ++r) {
+                const float most = largest(r * n, n);
+                const float scale = most * 16.0F > all ? 0.0F : most / 32767.0F;
+                body.put(scale);
+                for (std::size_t f = 0; f < n; ++f) {
+                    if (scale == 0.0F) {
+                        body.put(part.rows[r * n + f]);
+                    } else {
+                        body.put(static_cast<std::int16_t>(std::lround(part.rows[r * n + f] / scale)));
+                    }
+                }
+            }
         }
         for (const float c : part.log_terms) {
             body.put(c);
@@ -142,7 +166,7 @@ std::vector<std::uint8_t> write_fit(const SkyFit& fit) {
     }
     Writer all;
     all.put(magic);
-    all.put(version);
+    all.put(static_cast<std::uint32_t>(storage));
     all.put(checksum(body.bytes));
     all.bytes.insert(all.bytes.end(), body.bytes.begin(), body.bytes.end());
     return all.bytes;
@@ -157,9 +181,10 @@ Result<SkyFit> read_fit(std::span<const std::uint8_t> bytes, const std::string& 
         return wrong("this is no sky fit", "a file that begins with SKYF");
     }
     const auto found = head.take<std::uint32_t>();
-    if (found != version) {
-        return wrong("format version is " + std::to_string(found), std::to_string(version));
+    if (found != 1 && found != 2) {
+        return wrong("format version is " + std::to_string(found), "1 or 2");
     }
+    const bool whole = found == 1;
     const auto sum = head.take<std::uint32_t>();
     if (head.ran_short() || checksum(bytes.subspan(12)) != sum) {
         return wrong("the checksum does not match: the table is truncated or damaged", "the table as it was written");
@@ -183,7 +208,9 @@ Result<SkyFit> read_fit(std::span<const std::uint8_t> bytes, const std::string& 
             return wrong("axes are " + std::to_string(axes) + ", rows " + std::to_string(rows),
                          "1 to 4 axes, 1 to 4094 rows");
         }
-        if (in.left() < axes * 28ULL + rows * (axes + 4ULL * fit.functions()) + terms * (axes + 4ULL)) {
+        if (in.left() < axes * 28ULL +
+                            rows * (axes + (whole ? 4ULL * fit.functions() : 4ULL + 2ULL * fit.functions())) +
+                            terms * (axes + 4ULL)) {
             return wrong("the table ends early", "all of its rows");
         }
         for (std::uint32_t a = 0; a < axes; ++a) {
@@ -206,8 +233,12 @@ Result<SkyFit> read_fit(std::span<const std::uint8_t> bytes, const std::string& 
         for (std::uint32_t i = 0; i < terms * axes; ++i) {
             part.log_degrees.push_back(in.take<std::uint8_t>());
         }
-        for (std::size_t i = 0; i < rows * fit.functions(); ++i) {
-            part.rows.push_back(in.take<float>());
+        for (std::uint32_t r = 0; r < rows; ++r) {
+            const float scale = whole ? 1.0F : in.take<float>();
+            for (std::size_t f = 0; f < fit.functions(); ++f) {
+                part.rows.push_back(whole || scale == 0.0F ? in.take<float>()
+                                                           : scale * static_cast<float>(in.take<std::int16_t>()));
+            }
         }
         for (std::uint32_t i = 0; i < terms; ++i) {
             part.log_terms.push_back(in.take<float>());
@@ -233,6 +264,9 @@ Result<SkyFit> read_fit(std::span<const std::uint8_t> bytes, const std::string& 
             return wrong("a coefficient is not finite", "finite numbers");
         }
         fit.parts.push_back(std::move(part));
+    }
+    if (in.ran_short()) {
+        return wrong("the table ends early", "all of its rows");
     }
     if (in.left() >= 4) {
         return wrong(std::to_string(in.left()) + " bytes follow the table", "nothing");

@@ -39,43 +39,67 @@ std::string as_include(const std::vector<std::uint8_t>& bytes) {
     return text + "\n";
 }
 
-struct Domain {
-    double low, high, max_e_mean;
+struct Box {
+    SkyFitBox box;
+    std::string name;
 };
 
-} // namespace
-
-int main(int argc, char** argv) {
-    // fit_sky OUT.inc OUT.h NAME (LOW HIGH MAX_E_MEAN)...
-    if (argc < 7 || (argc - 4) % 3 != 0) {
-        std::fprintf(stderr, "usage: alpenglow-fit-sky OUT.inc OUT.h NAME TURBIDITY_LOW TURBIDITY_HIGH MAX_E_MEAN ...\n"
-                             "fits Preetham's sky, one part for each range of turbidity\n");
-        return 2;
-    }
-    const int bands = 7;
-    const SkyBlackBox sky = preetham_black_box(64, 80);
+int fit_all(const std::vector<Box>& boxes, FitNormaliser normaliser, FitStorage storage, const SkyBlackBox& sky,
+            char** argv) {
     SkyFit fit;
-    fit.normaliser = FitNormaliser::preetham;
-    fit.bands = bands;
-    for (int i = 4; i + 2 < argc; i += 3) {
-        const Domain domain{std::atof(argv[i]), std::atof(argv[i + 1]), std::atof(argv[i + 2])};
-        SkyFitBox box;
-        box.axes = {{FitMap::half_tangent, 0.0, 0.5 * pi, 0.0}, {FitMap::log_offset, domain.low, domain.high, 1.2}};
-        box.nodes = {32, 18};
-        box.max_e_mean = domain.max_e_mean;
+    fit.normaliser = normaliser;
+    fit.bands = 7;
+    for (const Box& b : boxes) {
         SkyFitReport report;
-        Result<SkyFitPart> part = fit_sky_box(box, fit.normaliser, bands, sky, report);
+        Result<SkyFitPart> part = fit_sky_box(b.box, normaliser, fit.bands, sky, report);
         if (!part) {
             std::fprintf(stderr, "alpenglow-fit-sky: %s\n", part.error().message().c_str());
             return 1;
         }
-        std::printf("turbidity %.2f .. %.2f: %zu samples, %zu rows, E_mean worst %.5f %% average %.5f %%, E_max worst "
-                    "%.5f %%\n",
-                    domain.low, domain.high, report.samples, report.rows, 100.0 * report.worst_e_mean,
+        std::printf("%s: %zu samples, %zu rows, E_mean worst %.5f %% average %.5f %%, E_max worst %.5f %%\n",
+                    b.name.c_str(), report.samples, report.rows, 100.0 * report.worst_e_mean,
                     100.0 * report.mean_e_mean, 100.0 * report.worst_e_max);
         fit.parts.push_back(std::move(*part));
     }
-    std::printf("%zu bytes\n", fit.bytes());
-    return write_text(argv[1], as_include(write_fit(fit))) && write_text(argv[2], fit_as_c_header(fit, argv[3])) ? 0
-                                                                                                                 : 1;
+    const std::vector<std::uint8_t> bytes = write_fit(fit, storage);
+    std::printf("%zu bytes, shipped as %zu\n", fit.bytes(), bytes.size());
+    return write_text(argv[2], as_include(bytes)) && write_text(argv[3], fit_as_c_header(fit, argv[4])) ? 0 : 1;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    const std::string sky = argc > 4 ? argv[1] : "";
+    std::vector<Box> boxes;
+    if (sky == "preetham" && argc >= 8 && (argc - 5) % 3 == 0) {
+        for (int i = 5; i + 2 < argc; i += 3) {
+            Box b;
+            b.name = std::string("turbidity ") + argv[i] + " .. " + argv[i + 1];
+            b.box.axes = {{FitMap::half_tangent, 0.0, 0.5 * pi, 0.0},
+                          {FitMap::log_offset, std::atof(argv[i]), std::atof(argv[i + 1]), 1.2}};
+            b.box.nodes = {32, 18};
+            b.box.max_e_mean = std::atof(argv[i + 2]);
+            boxes.push_back(b);
+        }
+        return fit_all(boxes, FitNormaliser::preetham, FitStorage::float32, preetham_black_box(64, 80), argv);
+    }
+    if (sky == "scattering" && argc >= 8 && (argc - 5) % 3 == 0) {
+        for (int i = 5; i + 2 < argc; i += 3) {
+            Box b;
+            b.name = std::string("zenith angle ") + argv[i] + " .. " + argv[i + 1];
+            b.box.axes = {
+                {FitMap::half_tangent, std::atof(argv[i]) * degree_rad, std::atof(argv[i + 1]) * degree_rad, 0.0},
+                {FitMap::log_offset, 2.0, 8.0, 0.5},
+                {FitMap::linear, 0.0, 0.8, 0.0}};
+            b.box.nodes = {24, 6, 3};
+            b.box.max_e_mean = std::atof(argv[i + 2]);
+            boxes.push_back(b);
+        }
+        return fit_all(boxes, FitNormaliser::exponent, FitStorage::int16, scattering_black_box(0.001, 20, 28), argv);
+    }
+    std::fprintf(stderr,
+                 "usage: alpenglow-fit-sky preetham OUT.inc OUT.h NAME TURBIDITY_LOW TURBIDITY_HIGH MAX_E_MEAN ...\n"
+                 "       alpenglow-fit-sky scattering OUT.inc OUT.h NAME THETA_LOW_DEG THETA_HIGH_DEG MAX_E_MEAN ...\n"
+                 "one part for each range; MAX_E_MEAN as a fraction\n");
+    return 2;
 }

@@ -145,11 +145,49 @@ TEST(SkyFit, PolynomialsComeBack) {
               2e-5); // float coefficients
 }
 
+// Off the nodes of the fit, by day, at the joins of its parts and in twilight. At the nodes the fit keeps 0.3 %;
+// between them the steps of the tables that it was made from show, which grow as the Earth's shadow rises
+// (docs/sky.md).
+TEST(SkyFit, ShippedScatteringFitKeepsItsErrors) {
+    const SkyBlackBox sky = scattering_black_box(0.001, 20, 28);
+    EXPECT_LE(write_fit(scattering_fit(), FitStorage::int16).size(), 256U * 1024);
+    for (double theta_deg : {3.0, 41.0, 77.0, 87.9, 88.1, 93.3, 97.9, 98.1, 105.0}) {
+        const FitError error = fit_error(scattering_fit(), std::array{theta_deg * degree_rad, 3.1, 0.27}, 7, sky);
+        EXPECT_LT(error.e_mean, theta_deg < 98.0 ? 0.02 : 0.1) << theta_deg;
+        std::printf("theta %.1f: E_mean %.3f %%\n", theta_deg, 100.0 * error.e_mean);
+    }
+}
+
 TEST(SkyFit, WritesAndReads) {
     const std::vector<std::uint8_t> bytes = write_fit(preetham_fit());
     Result<SkyFit> read = read_fit(bytes, "table");
     ASSERT_TRUE(read.has_value());
     EXPECT_EQ(write_fit(*read), bytes);
+}
+
+// A coarse fit in 16 bits: at most 16 KB over the paper's domain, at most 0.03 %.
+TEST(SkyFit, CompactTable) {
+    SkyFitBox box;
+    box.axes = {{FitMap::half_tangent, 0.0, 0.5 * pi, 0.0}, {FitMap::log_offset, 2.5, 6.0, 1.2}};
+    box.nodes = {32, 18};
+    box.max_e_mean = 2.2e-4;
+    SkyFitReport report;
+    Result<SkyFitPart> part = fit_sky_box(box, FitNormaliser::preetham, 7, preetham_black_box(32, 44), report);
+    ASSERT_TRUE(part.has_value());
+    const std::vector<std::uint8_t> bytes = write_fit({FitNormaliser::preetham, 7, {*part}}, FitStorage::int16);
+    EXPECT_LE(bytes.size(), 16U * 1024);
+    Result<SkyFit> read = read_fit(bytes, "compact");
+    ASSERT_TRUE(read.has_value());
+    const SkyBlackBox sky = preetham_black_box(48, 60);
+    double worst = 0.0;
+    for (int i = 0; i < 60; ++i) {
+        const std::array<double, 2> p{0.5 * pi * std::fmod(0.618034 * i, 1.0),
+                                      2.5 + 3.5 * std::fmod(0.754878 * i, 1.0)};
+        worst = std::max(worst, fit_error(*read, p, 7, sky).e_mean);
+    }
+    EXPECT_LT(worst, 3e-4);
+    RecordProperty("bytes", static_cast<int>(bytes.size()));
+    std::printf("compact: %zu bytes, worst E_mean %.5f %%\n", bytes.size(), 100.0 * worst);
 }
 
 TEST(SkyFit, DamagedTablesAreRefusedWithAReason) {

@@ -45,6 +45,11 @@ struct FitError {
 // Preetham's sky as a black box: parameters are the sun's zenith angle and the turbidity.
 [[nodiscard]] SkyBlackBox preetham_black_box(int elevations, int azimuths);
 
+// The scattering atmosphere as a black box: parameters are the sun's zenith angle (0 .. 108 degrees), the turbidity and
+// a grey ground albedo; `height_km` the observer's. Built from fine tables, which are kept for each turbidity and
+// albedo.
+[[nodiscard]] SkyBlackBox scattering_black_box(double height_km, int elevations, int azimuths);
+
 // The fit as a C header: plain arrays `NAME_...` for sky_fit_eval.h, the evaluator for other engines
 // (modules/sky/export).
 [[nodiscard]] std::string fit_as_c_header(const SkyFit& fit, const std::string& name);

@@ -92,6 +92,8 @@ public:
     // their phase functions: Rayleigh, Cornette-Shanks, Henyey-Greenstein of the square of its mean cosine), multiple
     // scattering; cd/m^2.
     [[nodiscard]] std::span<const float> values() const { return values_; }
+    [[nodiscard]] float horizon() const { return horizon_; } // cosine of its zenith angle
+    [[nodiscard]] float mie_mean_cosine() const { return mie_mean_cosine_; }
     // Cosine to the zenith of a row, and the row (fractional) of a cosine.
     [[nodiscard]] float cosine_of(float row) const;
     [[nodiscard]] float row_of(float mu) const;

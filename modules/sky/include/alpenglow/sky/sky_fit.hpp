@@ -65,12 +65,20 @@ struct SkyFit {
 };
 
 // The table as bytes, and back; little-endian. Reading checks sizes, ranges and a checksum, and says what is wrong.
-[[nodiscard]] std::vector<std::uint8_t> write_fit(const SkyFit& fit);
+enum class FitStorage : std::uint32_t {
+    float32 = 1,
+    int16 = 2 // all but the largest rows in 16 bits with a scale each: about half the size
+};
+[[nodiscard]] std::vector<std::uint8_t> write_fit(const SkyFit& fit, FitStorage storage = FitStorage::float32);
 [[nodiscard]] Result<SkyFit> read_fit(std::span<const std::uint8_t> bytes, const std::string& name);
 
 // The shipped fits. Preetham: turbidity 2 .. 10, sun from the zenith to the horizon, 7 bands; worst E_mean (Habel et
 // al. eq. 3, least luminance of the sky as L_min) in docs/sky.md.
 [[nodiscard]] const SkyFit& preetham_fit();
+
+// The scattering atmosphere at sea level: sun from the zenith to 18 degrees below the horizon, turbidity 2 .. 8, grey
+// ground albedo 0 .. 0.8; 7 bands. Axes: zenith angle, turbidity, albedo.
+[[nodiscard]] const SkyFit& scattering_fit();
 
 // Straight evaluation in double precision, the reference for SkyFitEvaluator. Parameters as the axes name them (angles
 // in radians), held at the ends of the domain. Writes bands * bands coefficients for a sun in the +X meridian.
