@@ -20,7 +20,9 @@ foreach(way installed subdirectory)
     endif()
     must("${CMAKE_COMMAND}" -S "${SOURCE}/tests/consumer/project" -B "${WORK}/${way}" -G "${GENERATOR}"
          "-DCMAKE_PREFIX_PATH=${WORK}/prefix" "${where}" "-DCMAKE_CXX_COMPILER=${CXX}"
-         "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" -DCMAKE_BUILD_TYPE=Release ${flags})
+         "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" -DCMAKE_BUILD_TYPE=Release ${flags}
+         # The settings of the build under test, so that a compiler cache knows the modules already.
+         -DALPENGLOW_ASSERTIONS=${ASSERTIONS} -DALPENGLOW_WARNINGS_AS_ERRORS=${ERRORS})
     must("${CMAKE_COMMAND}" --build "${WORK}/${way}" --target consumer)
     must("${WORK}/${way}/consumer")
     message("${way}: ${output}")
