@@ -210,7 +210,10 @@ BakeStats CloudLighting::start_light(std::size_t i, const DirectionalLight& ligh
     }
     std::vector<double> totals(static_cast<std::size_t>(coarse.dims.z), 0.0);
     parallel_for(std::size_t(coarse.dims.z), 2, [&](std::size_t begin, std::size_t end) {
-        std::vector<float> line(static_cast<std::size_t>(depth_lattice_.dims.x));
+        const auto width = static_cast<std::size_t>(depth_lattice_.dims.x);
+        std::vector<float> line(width + 16); // deposit_row works in whole vectors
+        std::vector<float> last_density(width + 16, 0.0F);
+        std::vector<float> last_depth(width + 16, 0.0F);
         for (std::size_t slice = begin; slice < end; ++slice) {
             for (int z = begin_of[slice]; z < begin_of[slice + 1]; ++z) {
                 for (int y = 0; y < depth_lattice_.dims.y; ++y) {
@@ -218,12 +221,21 @@ BakeStats CloudLighting::start_light(std::size_t i, const DirectionalLight& ligh
                                             std::size_t(depth_lattice_.dims.x);
                     float* to = deposit.data() + (slice * std::size_t(coarse.dims.y) + std::size_t(coarse_of(1, y))) *
                                                      std::size_t(coarse.dims.x);
-                    deposit_row(depth_density_.data() + row, depth.depth.data() + row, scaled_extinction, thickness,
-                                line.data(), static_cast<int>(line.size()));
-                    for (std::size_t x = 0; x < line.size(); ++x) {
-                        to[coarse_x[x]] += line[x];
-                        totals[slice] += double(line[x]);
+                    const float* density = depth_density_.data() + row;
+                    const float* optical = depth.depth.data() + row;
+                    if (row + width + 16 > depth_density_.size()) { // the lattice's last row has nothing after it
+                        std::copy_n(density, width, last_density.begin());
+                        std::copy_n(optical, width, last_depth.begin());
+                        density = last_density.data();
+                        optical = last_depth.data();
                     }
+                    deposit_row(density, optical, scaled_extinction, thickness, line.data(), static_cast<int>(width));
+                    float sum = 0.0F;
+                    for (std::size_t x = 0; x < width; ++x) {
+                        to[coarse_x[x]] += line[x];
+                        sum += line[x];
+                    }
+                    totals[slice] += double(sum);
                 }
             }
         }

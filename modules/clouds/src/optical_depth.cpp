@@ -1,12 +1,13 @@
 #include <alpenglow/clouds/optical_depth.hpp>
 
 #include "deposit.hpp"
-#include "fast_exp.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optical_depth.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include <hwy/contrib/math/math-inl.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace alpenglow::clouds::HWY_NAMESPACE {
@@ -37,14 +38,26 @@ void advance_row(const float* a, const float* b, float fu, float fv, float half_
 }
 
 void deposit(const float* density, const float* depth, float extinction, float thickness, float* out, int count) {
-    for (int x = 0; x < count; ++x) {
-        const float s = extinction * density[x];
-        const float half = 0.5F * s * thickness;
-        const float tau = extinction * depth[x];
-        const float near = half - tau < 0.0F ? half - tau : 0.0F;
-        const float thick = (exp_negative(near) - exp_negative(-half - tau)) / (half > 1e-2F ? 2.0F * half : 1.0F);
-        const float thin = exp_negative(-tau);
-        out[x] = s * (half > 1e-2F ? thick : thin);
+    namespace hn = hwy::HWY_NAMESPACE;
+    const hn::CappedTag<float, 16> d;
+    const auto lanes = static_cast<int>(hn::Lanes(d));
+    const auto lowest = hn::Set(d, -87.0F);
+    const auto one = hn::Set(d, 1.0F);
+    for (int x = 0; x < count; x += lanes) {
+        const auto s = hn::Mul(hn::LoadU(d, density + x), hn::Set(d, extinction));
+        const auto matter = hn::Gt(s, hn::Zero(d));
+        if (hn::AllFalse(d, matter)) {
+            hn::StoreU(hn::Zero(d), d, out + x);
+            continue;
+        }
+        const auto half = hn::Mul(s, hn::Set(d, 0.5F * thickness));
+        const auto tau = hn::Mul(hn::LoadU(d, depth + x), hn::Set(d, extinction));
+        const auto near = hn::Exp(d, hn::Max(hn::Min(hn::Sub(half, tau), hn::Zero(d)), lowest));
+        const auto far = hn::Exp(d, hn::Max(hn::Neg(hn::Add(half, tau)), lowest));
+        const auto centre = hn::Exp(d, hn::Max(hn::Neg(tau), lowest));
+        const auto thick = hn::Gt(half, hn::Set(d, 1e-2F));
+        const auto mean = hn::Div(hn::Sub(near, far), hn::IfThenElse(thick, hn::Add(half, half), one));
+        hn::StoreU(hn::Mul(s, hn::IfThenElse(thick, mean, centre)), d, out + x);
     }
 }
 
