@@ -54,9 +54,10 @@ inline double optical_depth(const Blob& blob, const glm::dvec3& from, const glm:
     return amplitude * (std::erf((length_m - t) * inverse) - std::erf(-t * inverse));
 }
 
-// A heap of `count` blobs in a ball of radius 1 about the origin, dense inside and ragged outside, lit by `to_key`.
+// A heap of `count` blobs in a ball of radius 1 about the origin, lit by `to_key`; blobs are `detail` times smaller
+// than usual.
 inline BlobCloud make_blob_cloud(int count, std::uint32_t seed, const glm::dvec3& to_key = {0.3, 0.4, 0.866},
-                                 double optical_thickness = 6.0) {
+                                 double optical_thickness = 6.0, double detail = 1.0) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform(0.0, 1.0);
     BlobCloud cloud;
@@ -65,7 +66,7 @@ inline BlobCloud make_blob_cloud(int count, std::uint32_t seed, const glm::dvec3
         const double phi = 6.283185307179586 * uniform(random);
         const double flat = std::sqrt(1.0 - z * z);
         Blob blob;
-        blob.sigma_m = 0.05 + 0.11 * uniform(random) * uniform(random);
+        blob.sigma_m = (0.05 + 0.11 * uniform(random) * uniform(random)) / detail;
         const double r = (1.0 - 4.0 * blob.sigma_m) * std::cbrt(uniform(random));
         blob.centre_m = r * glm::dvec3(flat * std::cos(phi), flat * std::sin(phi), 0.6 * z);
         blob.extinction_per_m = 0.5 + uniform(random);

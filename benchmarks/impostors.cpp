@@ -1,0 +1,312 @@
+// Impostors: image error against angle for each representation, with what a drawn pixel costs; the metrics against what
+// they predict; captures and plans.
+#include "bench.hpp"
+
+#include "../tests/modules/impostors/blob_cloud.hpp"
+
+#include <alpenglow/impostors/error.hpp>
+#include <alpenglow/impostors/reproject.hpp>
+#include <alpenglow/impostors/scheduler.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+namespace alpenglow::bench {
+namespace {
+
+using namespace impostors;
+
+constexpr double degree = std::numbers::pi / 180.0;
+constexpr double distance_m = 4.0; // in radii
+constexpr int pixels = 96;
+
+struct Method {
+    const char* name;
+    Representation representation;
+    int layers;
+    Filter filter;
+};
+constexpr std::array methods{
+    Method{"plane", Representation::plane, 1, Filter::bilinear},
+    Method{"depth warp", Representation::depth_warp, 1, Filter::bilinear},
+    Method{"4 layers", Representation::layers, 4, Filter::bilinear},
+    Method{"8 layers", Representation::layers, 8, Filter::bilinear},
+    Method{"16 layers", Representation::layers, 16, Filter::bilinear},
+    Method{"4 warped layers", Representation::warped_layers, 4, Filter::bilinear},
+    Method{"8 warped layers", Representation::warped_layers, 8, Filter::bilinear},
+    Method{"8 warped layers, Catmull-Rom", Representation::warped_layers, 8, Filter::catmull_rom},
+};
+
+Frustum orbit(double angle) {
+    const glm::dvec3 eye = distance_m * glm::dvec3(0.8 * std::sin(angle), -std::cos(angle), 0.6 * std::sin(angle));
+    return look_at(eye, {0, 0, 0}, {0, 0, 1}, 2.0 * std::atan(1.0 / std::sqrt(distance_m * distance_m - 1.0)), pixels,
+                   pixels);
+}
+
+Capture take(const test::BlobCloud& cloud, const Method& method) {
+    CaptureSettings settings;
+    settings.representation = method.representation;
+    settings.layers = method.layers;
+    const auto frustum = fit_frustum(cloud.bounds, orbit(0.0).eye_m, {0, 0, 1}, pixels * 5 / 4);
+    return std::move(capture(cloud.bounds, *frustum, settings, test::drawable(cloud)).value());
+}
+
+double megabytes(const Capture& picture) {
+    double bytes = 0.0;
+    for (const Layer& layer : picture.layers) {
+        for (const MipLevel& mip : layer.mips) {
+            bytes += static_cast<double>(mip.colour.size() * sizeof(glm::vec4) + mip.fill.size() * sizeof(glm::vec4) +
+                                         mip.depth.size() * sizeof(glm::vec2));
+        }
+        bytes += static_cast<double>(layer.warp.size() * sizeof(float));
+    }
+    return bytes;
+}
+
+test::BlobCloud detailed_cloud() {
+    test::BlobCloud cloud = test::make_blob_cloud(600, 1, {0.3, 0.4, 0.866}, 30.0, 2.5);
+    cloud.steps = 32;
+    return cloud;
+}
+
+const Case orbit_case("impostors/orbit", [](const Context& context) {
+    const test::BlobCloud cloud = detailed_cloud();
+    const std::vector<double> angles =
+        context.quick() ? std::vector<double>{0.15, 1.0, 5.0} : std::vector<double>{0.15, 0.5, 1.0, 2.0, 5.0, 10.0};
+    std::vector<std::vector<glm::vec4>> exact;
+    for (const double angle : angles) {
+        exact.push_back(test::draw_directly(cloud, orbit(angle * degree)));
+    }
+    const double count = static_cast<double>(pixels) * pixels;
+    const Time direct = context.time(count, [&] { keep(test::draw_directly(cloud, orbit(0.01))); });
+    std::vector<glm::vec4> image(exact[0].size());
+    std::vector<double> held(methods.size(), 0.0);
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+        const Method& method = methods[m];
+        const Capture picture = take(cloud, method);
+        DrawSettings settings;
+        settings.filter = method.filter;
+        settings.threads = 1;
+        const Frustum typical = orbit(degree);
+        const Time time = context.time(count, [&] {
+            std::fill(image.begin(), image.end(), glm::vec4(0.0F));
+            draw(picture, typical, settings, image);
+            keep(image);
+        });
+        for (std::size_t a = 0; a < angles.size(); ++a) {
+            std::fill(image.begin(), image.end(), glm::vec4(0.0F));
+            draw(picture, orbit(angles[a] * degree), settings, image);
+            char name[64];
+            std::snprintf(name, sizeof name, "orbit by %.4g degrees", angles[a]);
+            Row row{"impostors",
+                    name,
+                    method.name,
+                    time.ns,
+                    time.spread,
+                    test::relative_rmse(image, exact[a]),
+                    "relative RMSE, 600 blobs at 4 radii",
+                    "direct march",
+                    megabytes(picture),
+                    count};
+            context.add(row);
+            row.name += ", tone mapped";
+            row.error = test::tone_mapped_psnr(image, exact[a]);
+            row.error_metric = "PSNR in dB, larger is better";
+            context.add(row);
+        }
+        // How far 40 dB hold: bisection, to 20 degrees.
+        double low = 0.0;
+        double high = 20.0;
+        for (int step = 0; step < (context.quick() ? 4 : 7); ++step) {
+            const double angle = 0.5 * (low + high);
+            std::fill(image.begin(), image.end(), glm::vec4(0.0F));
+            draw(picture, orbit(angle * degree), settings, image);
+            const bool holds = test::tone_mapped_psnr(image, test::draw_directly(cloud, orbit(angle * degree))) >= 40.0;
+            (holds ? low : high) = angle;
+        }
+        held[m] = low;
+        context.add({"impostors", "degrees of orbit at 40 dB", method.name, time.ns, time.spread, low,
+                     "degrees held (20 is where the search ends), larger is better", "direct march", megabytes(picture),
+                     count});
+    }
+    for (std::size_t a = 0; a < angles.size(); ++a) {
+        char name[64];
+        std::snprintf(name, sizeof name, "orbit by %.4g degrees", angles[a]);
+        context.add({"impostors", name, "direct march", direct.ns, direct.spread, 0.0,
+                     "relative RMSE, 600 blobs at 4 radii", "itself", 0.0, count});
+    }
+});
+
+const Case zoom_case("impostors/zoom", [](const Context& context) {
+    const test::BlobCloud cloud = detailed_cloud();
+    const Frustum view = orbit(0.0);
+    for (const double closer : {0.01, 0.05, 0.2}) {
+        Frustum nearer = view;
+        nearer.eye_m *= 1.0 - closer;
+        const auto exact = test::draw_directly(cloud, nearer);
+        for (const Method& method : methods) {
+            const Capture picture = take(cloud, method);
+            std::vector<glm::vec4> image(exact.size(), glm::vec4(0.0F));
+            DrawSettings settings;
+            settings.filter = method.filter;
+            draw(picture, nearer, settings, image);
+            char name[64];
+            std::snprintf(name, sizeof name, "nearer by %.0f %%", 100.0 * closer);
+            context.add({"impostors", name, method.name, 0.0, 0.0, test::relative_rmse(image, exact),
+                         "relative RMSE, 600 blobs at 4 radii", "direct march", megabytes(picture), 1.0});
+        }
+        if (context.quick()) {
+            break;
+        }
+    }
+});
+
+const Case metric_case("impostors/metrics", [](const Context& context) {
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    std::vector<glm::dvec3> eyes;
+    for (int i = 0; i < 256; ++i) {
+        eyes.emplace_back(0.1 * normal(random), -4.0 + 0.1 * normal(random), 0.1 * normal(random));
+    }
+    const Sphere bounds{{0, 0, 0}, 1.0};
+    const glm::dvec3 from(0, -4, 0);
+    // Against the worst of 2000 points spread over the ball.
+    std::vector<double> ratio;
+    double beyond = 0.0;
+    for (const glm::dvec3& eye : eyes) {
+        double worst = 0.0;
+        for (int k = 0; k < 2000; ++k) {
+            glm::dvec3 p(normal(random), normal(random), normal(random));
+            p = glm::normalize(p);
+            const glm::dvec3 q = from + (p - from) * (4.0 / (p.y + 4.0));
+            worst = std::max(worst, angle_between(p - eye, q - eye));
+        }
+        const double bound = translation_angle(bounds, from, eye);
+        ratio.push_back(bound / worst);
+        beyond += worst > bound * 1.001 ? 1.0 : 0.0;
+    }
+    std::sort(ratio.begin(), ratio.end());
+    Row row{"impostors",
+            "translation angle",
+            "search over rays",
+            0.0,
+            0.0,
+            ratio[ratio.size() / 2] - 1.0,
+            "median of bound / worst point - 1, at 4 radii",
+            "2000 points of the sphere",
+            0.0,
+            256.0};
+    context.run(row, [&] {
+        double sum = 0.0;
+        for (const glm::dvec3& eye : eyes) {
+            sum += translation_angle(bounds, from, eye);
+        }
+        keep(sum);
+    });
+    const test::BlobCloud cloud = test::make_blob_cloud(120, 7);
+    for (std::size_t m : {0UL, 1UL, 3UL, 6UL}) {
+        const Capture picture = take(cloud, methods[m]);
+        std::vector<double> over_measured;
+        std::vector<glm::vec4> image(static_cast<std::size_t>(pixels) * pixels);
+        for (const double angle : {0.5, 1.0, 2.0, 4.0}) {
+            const Frustum view = orbit(angle * degree);
+            std::fill(image.begin(), image.end(), glm::vec4(0.0F));
+            draw(picture, view, {}, image);
+            over_measured.push_back(predicted_error(picture, view.eye_m) /
+                                    test::relative_rmse(image, test::draw_directly(cloud, view)));
+        }
+        Row predicted{"impostors",
+                      "predicted image error",
+                      methods[m].name,
+                      0.0,
+                      0.0,
+                      0.0,
+                      "mean of |log2(predicted / measured)|, 0.5 to 4 degrees",
+                      "direct march",
+                      0.0,
+                      256.0};
+        for (const double r : over_measured) {
+            predicted.error += std::abs(std::log2(r)) / static_cast<double>(over_measured.size());
+        }
+        context.run(predicted, [&] {
+            double sum = 0.0;
+            for (const glm::dvec3& eye : eyes) {
+                sum += predicted_error(picture, eye);
+            }
+            keep(sum);
+        });
+    }
+});
+
+const Case capture_case("impostors/capture", [](const Context& context) {
+    const test::BlobCloud cloud = test::make_blob_cloud(40, 3);
+    const Frustum frustum = *fit_frustum(cloud.bounds, {0, -4, 0}, {0, 0, 1}, 128);
+    for (std::size_t m : {0UL, 1UL, 3UL, 6UL}) {
+        CaptureSettings settings;
+        settings.representation = methods[m].representation;
+        settings.layers = methods[m].layers;
+        std::vector<SlabImage> kept;
+        const Drawable once = [&](const CaptureRequest& request, std::span<SlabImage> slabs) -> Status {
+            test::draw_blobs(cloud, request, slabs);
+            kept.assign(slabs.begin(), slabs.end());
+            return Ok{};
+        };
+        (void)capture(cloud.bounds, frustum, settings, once);
+        const Drawable again = [&](const CaptureRequest&, std::span<SlabImage> slabs) -> Status {
+            std::copy(kept.begin(), kept.end(), slabs.begin());
+            return Ok{};
+        };
+        context.run({"impostors", "keeping a picture (mips, continued depth, sensitivity)", methods[m].name, 0.0, 0.0,
+                     0.0, "none: per texel, without drawing", "", 0.0, 128.0 * 128.0},
+                    [&] { keep(capture(cloud.bounds, frustum, settings, again)); });
+    }
+});
+
+const Case plan_case("impostors/plan", [](const Context& context) {
+    for (const int count : {100, 10000}) {
+        std::mt19937 random(2);
+        std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+        std::vector<SceneObject> objects(static_cast<std::size_t>(count));
+        for (std::size_t i = 0; i < objects.size(); ++i) {
+            objects[i].id = i + 1;
+            objects[i].bounds = {{5000.0 * uniform(random), 6000.0 + 5000.0 * uniform(random), 500.0 * uniform(random)},
+                                 60.0};
+        }
+        Scheduler scheduler = std::move(Scheduler::create().value());
+        std::vector<SceneView> views{{1, look_at({0, 0, 0}, {0, 5000, 0}, {0, 0, 1}, 1.0, 960, 540)}};
+        Plan plan;
+        double now = 0.0;
+        double seen = 0.0;
+        double reused = 0.0;
+        const auto step = [&] {
+            views[0].frustum.eye_m.y += 1.0;
+            if (views[0].frustum.eye_m.y > 3000.0) {
+                views[0].frustum.eye_m.y = 0.0;
+            }
+            now += 1.0 / 60.0;
+            scheduler.plan(objects, views, {}, now, plan);
+            seen += plan.report.seen;
+            reused += plan.report.reused;
+        };
+        for (int k = 0; k < (context.quick() ? 20 : 100); ++k) {
+            step();
+        }
+        seen = reused = 0.0;
+        const Time time = context.time(count, step);
+        context.add({"impostors", "plan a frame at 60 m/s, " + std::to_string(count) + " objects", "scheduler", time.ns,
+                     time.spread, 1.0 - reused / seen, "share of objects captured a frame", "", 0.0,
+                     static_cast<double>(count)});
+    }
+});
+
+} // namespace
+} // namespace alpenglow::bench
