@@ -11,7 +11,8 @@ struct SystemReport {
     std::uint32_t updated = 0;    // items recomputed
     std::uint32_t skipped = 0;    // items left alone: no consumer, within the error budget, or not seen
     double cpu_ms = 0.0;          // CPU time of the calling thread
-    double error_bound = 0.0;     // the largest bound on the relative error that a skipped output may now carry
+    double error_bound = 0.0;     // the largest bound on the error that a skipped output may now carry, in the
+                                  // measure of the system: relative for light, radians for directions, pixels for geometry
     std::uint32_t rejected = 0;   // items whose input is out of range: their previous output stands
 };
 
