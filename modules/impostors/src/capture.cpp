@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "sensitivity.hpp"
@@ -62,6 +63,57 @@ std::size_t sanitise(SlabImage& slab) {
         d.y = c.w > 0.0F ? std::clamp(d.y, d.x * d.x / c.w, c.w) : 0.0F;
     }
     return rejected;
+}
+
+// c - (difference of second order) / 12 in both directions, within the range of the five texels.
+template <class T>
+void sharpen(std::vector<T>& image, int width, int height, bool open_edges) {
+    if (image.empty()) {
+        return;
+    }
+    const std::vector<T> from = image;
+    const auto at = [&](int x, int y) {
+        if (open_edges) {
+            x = std::clamp(x, 0, width - 1);
+            y = std::clamp(y, 0, height - 1);
+        } else if (x < 0 || y < 0 || x >= width || y >= height) {
+            return T(0.0F);
+        }
+        return from[static_cast<std::size_t>(y * width + x)];
+    };
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const T c = at(x, y);
+            const T l = at(x - 1, y);
+            const T r = at(x + 1, y);
+            const T u = at(x, y - 1);
+            const T d = at(x, y + 1);
+            const T least = glm::min(glm::min(c, glm::min(l, r)), glm::min(u, d));
+            const T greatest = glm::max(glm::max(c, glm::max(l, r)), glm::max(u, d));
+            image[static_cast<std::size_t>(y * width + x)] =
+                glm::clamp(c + (4.0F * c - l - r - u - d) * (1.0F / 12.0F), least, greatest);
+        }
+    }
+}
+
+void find_occupied(Layer& layer) {
+    const MipLevel& base = layer.mips.front();
+    const int w = (base.width + 7) / 8;
+    const int h = (base.height + 7) / 8;
+    layer.occupied.assign(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0);
+    for (int y = 0; y < base.height; ++y) {
+        for (int x = 0; x < base.width; ++x) {
+            const auto i = static_cast<std::size_t>(y * base.width + x);
+            if (base.colour[i] == glm::vec4(0.0F) && (base.fill.empty() || base.fill[i] == glm::vec4(0.0F))) {
+                continue;
+            }
+            for (int by = std::max(0, y / 8 - 1); by <= std::min(h - 1, y / 8 + 1); ++by) {
+                for (int bx = std::max(0, x / 8 - 1); bx <= std::min(w - 1, x / 8 + 1); ++bx) {
+                    layer.occupied[static_cast<std::size_t>(by * w + bx)] = 1;
+                }
+            }
+        }
+    }
 }
 
 // Averages of 2 x 2; beyond an odd border lies transparency, so that coverage is kept.
@@ -309,6 +361,7 @@ Result<Capture> capture(const Sphere& bounds, const Frustum& view, std::span<con
         }
         layer.mips.push_back(std::move(base));
         build_mips(layer);
+        find_occupied(layer);
         if (warped(settings.representation)) {
             layer.warp = continued_depth(layer, (layer.plane_m - request.depth_origin_m) / request.depth_scale_m);
         }
@@ -316,6 +369,21 @@ Result<Capture> capture(const Sphere& bounds, const Frustum& view, std::span<con
     }
     if (result.layers.size() > 1) {
         match_mips(result.layers);
+    }
+    result.sensitivity = measure_sensitivity(result);
+    if (settings.sharpen) { // after the mips: coarser levels are averages, with nothing to make good
+        for (Layer& layer : result.layers) {
+            MipLevel& base = layer.mips.front();
+            std::vector<float> before(texels);
+            for (std::size_t i = 0; i < texels; ++i) {
+                before[i] = base.colour[i].w;
+            }
+            sharpen(base.colour, base.width, base.height, settings.open_edges);
+            sharpen(base.fill, base.width, base.height, settings.open_edges);
+            for (std::size_t i = 0; i < texels; ++i) {
+                base.depth[i] *= before[i] > 0.0F ? base.colour[i].w / before[i] : 0.0F;
+            }
+        }
     }
     // What is left to show once the picture is gone.
     for (std::size_t k = result.layers.size(); k-- > 0;) {
@@ -330,7 +398,6 @@ Result<Capture> capture(const Sphere& bounds, const Frustum& view, std::span<con
         const glm::vec4 mean(sum / static_cast<double>(texels));
         result.mean = mean + (1.0F - mean.w) * result.mean;
     }
-    result.sensitivity = measure_sensitivity(result);
     return result;
 }
 

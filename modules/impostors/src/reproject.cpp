@@ -27,6 +27,8 @@ struct LayerView {
     int level = 0;     // the finer of two mips
     float fine = 1.0F; // weight of the finer one
     bool warped = false;
+    double spread = 0.0; // of 1 / depth over its slab, from its plane
+    int blocks_across = 0;
 };
 
 // How a layer is read.
@@ -70,6 +72,30 @@ Sample bilinear(const MipLevel& mip, const Reading& reading, float u, float v) {
     const float wd = s * t;
     return {wa * a.colour + wb * b.colour + wc * c.colour + wd * d.colour,
             wa * a.depth + wb * b.depth + wc * c.depth + wd * d.depth};
+}
+
+// Colour alone, all four texels inside: nearly every pixel's case.
+glm::vec4 bilinear_colour(const MipLevel& mip, const Reading& reading, float u, float v) {
+    const float fx = std::floor(u - 0.5F);
+    const float fy = std::floor(v - 0.5F);
+    const int x = static_cast<int>(fx);
+    const int y = static_cast<int>(fy);
+    if (x < 0 || y < 0 || x + 1 >= mip.width || y + 1 >= mip.height) {
+        return bilinear(mip, reading, u, v).colour;
+    }
+    const float s = u - 0.5F - fx;
+    const float t = v - 0.5F - fy;
+    const auto i = static_cast<std::size_t>(y * mip.width + x);
+    const auto below = i + static_cast<std::size_t>(mip.width);
+    const float wb = s * (1.0F - t);
+    const float wc = (1.0F - s) * t;
+    const float wd = s * t;
+    const float wa = 1.0F - wb - wc - wd;
+    const auto mix = [&](const std::vector<glm::vec4>& image) {
+        return wa * image[i] + wb * image[i + 1] + wc * image[below] + wd * image[below + 1];
+    };
+    const glm::vec4 key = mix(mip.colour) * glm::vec4(reading.gain.key, 1.0F);
+    return mip.fill.empty() ? key : key + mix(mip.fill) * glm::vec4(reading.gain.fill, 0.0F);
 }
 
 // Catmull and Rom's cubic, clamped to the range of the four texels around: no ringing, so no halo and no negative
@@ -133,6 +159,18 @@ Sample fetch(const LayerView& view, const Reading& reading, float u, float v) {
         s.depth = view.fine * s.depth + (1.0F - view.fine) * coarse.depth;
     }
     return s;
+}
+
+glm::vec4 fetch_colour(const LayerView& view, const Reading& reading, float u, float v) {
+    if (reading.filter == Filter::catmull_rom) {
+        return fetch(view, reading, u, v).colour;
+    }
+    const auto at = [&](int level) {
+        const float scale = 1.0F / static_cast<float>(1 << level);
+        return bilinear_colour(view.layer->mips[static_cast<std::size_t>(level)], reading, u * scale, v * scale);
+    };
+    const glm::vec4 c = at(view.level);
+    return view.fine < 1.0F ? view.fine * c + (1.0F - view.fine) * at(view.level + 1) : c;
 }
 
 // The pixels that any layer can reach: the projected corners of the first and the last slab.
@@ -215,6 +253,8 @@ std::size_t draw(const Capture& capture, const Frustum& view, const DrawSettings
         v.z_plane = layer.plane_m;
         v.w_plane = 1.0 / layer.plane_m;
         v.warped = !layer.warp.empty();
+        v.spread = std::max(1.0 / layer.near_m - v.w_plane, v.w_plane - 1.0 / layer.far_m);
+        v.blocks_across = (layer.mips.front().width + 7) / 8;
         const glm::dvec3 middle = c.eye_m + layer.plane_m * c.forward - view.eye_m;
         const double depth = std::max(std::abs(glm::dot(middle, view.forward)), 1e-9 * layer.plane_m);
         const double texels = std::min(texels_x, texels_y) / layer.plane_m; // per metre
@@ -256,14 +296,28 @@ std::size_t draw(const Capture& capture, const Frustum& view, const DrawSettings
                     double z = layer.z_plane;
                     double w = layer.w_plane;
                     const MipLevel& base = layer.layer->mips.front();
-                    if (layer.warped) {
+                    const double reach = layer.warped ? std::max(std::abs(u1), std::abs(v1)) * layer.spread : 0.0;
+                    if (reach < 6.0 && layer.level == 0) { // nothing here, nor in the blocks around: nothing to find
+                        const double u_plane = std::clamp(u0 + u1 * w, 0.0, base.width - 1.0);
+                        const double v_plane = std::clamp(v0 + v1 * w, 0.0, base.height - 1.0);
+                        if (layer.layer->occupied[static_cast<std::size_t>(
+                                static_cast<int>(v_plane) / 8 * layer.blocks_across + static_cast<int>(u_plane) / 8)] ==
+                            0) {
+                            continue;
+                        }
+                    }
+                    if (reach > 0.02) {
                         // The texel whose own depth puts it on this ray, by fixed point: the map changes slowly.
                         for (int step = 0; step < 3; ++step) {
                             const auto s = static_cast<double>(bilinear_warp(
                                 *layer.layer, static_cast<float>(u0 + u1 * w), static_cast<float>(v0 + v1 * w)));
                             z = std::clamp(capture.depth_origin_m + capture.depth_scale_m * s, layer.layer->near_m,
                                            layer.layer->far_m);
+                            const double before = w;
                             w = 1.0 / z;
+                            if (std::abs(w - before) * (std::abs(u1) + std::abs(v1)) < 0.02) {
+                                break; // texels
+                            }
                         }
                     }
                     if ((z - eye.z) * v.z <= 0.0) {
@@ -274,8 +328,16 @@ std::size_t draw(const Capture& capture, const Frustum& view, const DrawSettings
                     if (!(u >= -beyond && t >= -beyond && u <= base.width + beyond && t <= base.height + beyond)) {
                         continue;
                     }
+                    if (!sliced) {
+                        sum +=
+                            (1.0F - sum.w) * fetch_colour(layer, reading, static_cast<float>(u), static_cast<float>(t));
+                        if (sum.w > 0.9995F) {
+                            break;
+                        }
+                        continue;
+                    }
                     Sample s = fetch(layer, reading, static_cast<float>(u), static_cast<float>(t));
-                    if (sliced && (s.colour.w > 0.0F)) {
+                    if (s.colour.w > 0.0F) {
                         // The view's axis depth, in s: along this ray depth in the view is linear in depth in the
                         // capture.
                         const double per_z = (depth_x * v.x + depth_y * v.y + facing * v.z) / v.z;
