@@ -6,6 +6,7 @@
 #include <alpenglow/sky/aerial_perspective.hpp>
 #include <alpenglow/sky/sky_state.hpp>
 #include <alpenglow/systems/ephemeris.hpp>
+#include <alpenglow/systems/probes.hpp>
 #include <alpenglow/systems/sky.hpp>
 #include <alpenglow/systems/sky_light.hpp>
 
@@ -40,6 +41,9 @@ void Game::update(double dt_s, int width, int height) {
     reports_.push_back(update_dome());
     reports_.push_back(update_terrain(height));
     reports_.push_back(update_shadows());
+    if (probes_) {
+        update_probe_scene(frame);
+    }
     update_frame(dt_s);
 }
 
@@ -53,6 +57,13 @@ void Game::enter(const Scene& scene) {
     camera = scene_camera(scene);
     exposure_bias_ev = scene.exposure_bias_ev;
     exposed_ = false;
+    if (probes_) {
+        probe_revision_ = probes_->next_revision();
+        probes_.reset();
+    }
+    if (scene.probes) {
+        probes_ = std::make_unique<ProbeScene>(registry_, *world_, *scene.probes, probe_revision_);
+    }
 }
 
 // The light of the scene and the dome's vertices, where the sky has changed.
@@ -94,6 +105,19 @@ SystemReport Game::update_shadows() {
     input.angular_radius_rad = by_sun ? celestial().sun_angular_radius_rad : celestial().moon_angular_radius_rad;
     input.camera_m = camera.position_m;
     return world_->shadows->update(input, *world_->lod);
+}
+
+// Things move as long as time does, at the pace of real time.
+void Game::update_probe_scene(const Frame& frame) {
+    const YardLight light{.to_sun = light_.to_sun,
+                          .to_moon = light_.to_moon,
+                          .sun_lux = sky().sun_illuminance_lux,
+                          .moon_lux = sky().moon_illuminance_lux,
+                          .irradiance_matrix = light_.irradiance_matrix};
+    probes_->prepare(clock().rate > 0.0 ? frame.dt_s : 0.0, light, frame_.projection * frame_.view);
+    reports_.push_back(update_probes(registry_, frame));
+    reports_.push_back(update_probe_receivers(registry_, frame));
+    reports_.push_back(probes_->finish(light, light_revision_));
 }
 
 void Game::update_frame(double dt_s) {

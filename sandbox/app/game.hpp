@@ -14,6 +14,7 @@
 #include <alpenglow/systems/frame.hpp>
 
 #include "sandbox/app/lighting.hpp"
+#include "sandbox/app/probe_scene.hpp"
 #include "sandbox/scene/scene.hpp"
 #include "sandbox/world/camera.hpp"
 #include "sandbox/world/render_data.hpp"
@@ -33,6 +34,8 @@ public:
 
     [[nodiscard]] const World& world() const { return *world_; }
     [[nodiscard]] const FrameData& frame() const { return frame_; }
+    // Of a scene with probes, while they are in view; else null.
+    [[nodiscard]] const ProbeRenderData* probe_data() const { return probes_ ? probes_->render_data() : nullptr; }
     // What each system did in the last update, in order.
     [[nodiscard]] std::span<const SystemReport> reports() const { return reports_; }
 
@@ -42,6 +45,7 @@ public:
     [[nodiscard]] WorldClock& clock() { return registry_.get<WorldClock>(sky_); }
     [[nodiscard]] Observer& observer() { return registry_.get<Observer>(sky_); }
     [[nodiscard]] Atmosphere& atmosphere() { return registry_.get<Atmosphere>(sky_); }
+    [[nodiscard]] ProbeScene* probes() { return probes_.get(); } // null in scenes without
     [[nodiscard]] const CelestialState& celestial() const { return registry_.get<CelestialState>(sky_); }
     [[nodiscard]] const SkyState& sky() const { return registry_.get<SkyState>(sky_); }
 
@@ -49,6 +53,7 @@ private:
     SystemReport update_dome();
     SystemReport update_terrain(int height);
     SystemReport update_shadows();
+    void update_probe_scene(const Frame& frame);
     void update_frame(double dt_s);
 
     std::unique_ptr<World> world_;
@@ -56,6 +61,8 @@ private:
     BasicRegistry::entity_type sky_;
     SceneLight light_;
     std::uint32_t light_revision_ = 0; // of SkyLightSh
+    std::unique_ptr<ProbeScene> probes_;
+    std::uint32_t probe_revision_ = 0; // where the next scene's probes go on, for whoever draws them
     std::vector<SkyVertex> dome_;
     FrameData frame_;
     std::vector<SystemReport> reports_;

@@ -82,6 +82,30 @@ void draw_reports(const std::vector<SystemReport>& reports) {
     ImGui::EndTable();
 }
 
+void draw_probes(ProbeScene& scene, const ProbeNumbers& numbers) {
+    ImGui::Separator();
+    const auto way = static_cast<int>(scene.settings.deringing);
+    int chosen = way;
+    ImGui::TextUnformatted("deringing");
+    const char* const names[] = {"none", "paper", "exact"}; // as Deringing
+    for (int i = 0; i < 3; ++i) {
+        ImGui::SameLine();
+        if (ImGui::RadioButton(names[i], way == i)) {
+            chosen = i;
+        }
+    }
+    if (chosen != way) {
+        scene.settings.deringing = static_cast<Deringing>(chosen);
+    }
+    ImGui::SameLine();
+    ImGui::Checkbox("show", &scene.settings.show);
+    ImGui::Text("window     sun %.3f   sky and ground %.3f", static_cast<double>(numbers.direct_window),
+                static_cast<double>(numbers.least_window));
+    ImGui::Text("min / mean %+.4f   of %u probes", static_cast<double>(numbers.least_irradiance), numbers.probes);
+    ImGui::Text("contrast   %.3f kept, least %.3f", static_cast<double>(numbers.contrast),
+                static_cast<double>(numbers.least_contrast));
+}
+
 void draw_help() {
     ImGui::SetNextWindowPos(ImVec2(360.0F, 20.0F), ImGuiCond_FirstUseEver);
     ImGui::SetNextWindowSize(ImVec2(330.0F, 0.0F), ImGuiCond_FirstUseEver);
@@ -136,6 +160,9 @@ void draw_panel(Game& game, PanelState& state) {
         }
         draw_time(game, state.utc_j2000_s);
         draw_place_and_air(game);
+        if (game.probes() != nullptr) {
+            draw_probes(*game.probes(), state.probes);
+        }
         draw_reports(state.reports);
         if (!state.message.empty()) {
             ImGui::TextWrapped("%s", state.message.c_str());

@@ -124,6 +124,7 @@ ImDrawData* Session::draw_hud() {
         frames_until_refresh_ = panel_refresh_frames;
         panel_.reports.assign(game->reports().begin(), game->reports().end());
         panel_.utc_j2000_s = game->clock().utc_j2000_s;
+        panel_.probes = game->probes() != nullptr ? game->probes()->numbers() : ProbeNumbers{};
     }
     if (window_ != nullptr) {
         ImGui_ImplGlfw_NewFrame();
@@ -144,7 +145,8 @@ Status Session::draw(double dt_s) {
     const double wall = wall_seconds();
     game->update(dt_s, static_cast<int>(extent.width), static_cast<int>(extent.height));
     const double draw_cpu = thread_cpu_seconds();
-    const Result<DrawStats> stats = renderer->draw(game->frame(), swapchain_ ? &*swapchain_ : nullptr, draw_hud());
+    const Result<DrawStats> stats = 
+        renderer->draw(game->frame(), swapchain_ ? &*swapchain_ : nullptr, draw_hud(), game->probe_data());
     if (!stats) {
         return stats.error();
     }

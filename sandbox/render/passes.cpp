@@ -5,12 +5,15 @@
 #include <span>
 
 #include "sandbox/render/gpu_data.hpp"
+#include "sandbox/world/probe_render_data.hpp"
 
 #include <alpenglow_shaders/color.frag.hpp>
 #include <alpenglow_shaders/color_hdr.frag.hpp>
+#include <alpenglow_shaders/colored.vert.hpp>
 #include <alpenglow_shaders/disc.vert.hpp>
 #include <alpenglow_shaders/hud.frag.hpp>
 #include <alpenglow_shaders/hud.vert.hpp>
+#include <alpenglow_shaders/lit_sphere.vert.hpp>
 #include <alpenglow_shaders/moon.frag.hpp>
 #include <alpenglow_shaders/object_lean.vert.hpp>
 #include <alpenglow_shaders/resolve.frag.hpp>
@@ -51,6 +54,27 @@ constexpr std::array<VkVertexInputAttributeDescription, 3> kShadowAttributes{
     {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ShadowVertex, position_m)},
      {1, 0, VK_FORMAT_R32_SFLOAT, offsetof(ShadowVertex, shade)},
      {2, 0, VK_FORMAT_R32G32B32A32_UINT, offsetof(ShadowVertex, horizon)}}};
+
+constexpr std::array<VkVertexInputBindingDescription, 1> kColoredBindings{
+    {{0, sizeof(ColorVertex), VK_VERTEX_INPUT_RATE_VERTEX}}};
+constexpr std::array<VkVertexInputAttributeDescription, 2> kColoredAttributes{
+    {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ColorVertex, position_m)},
+     {1, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(ColorVertex, light)}}};
+constexpr std::array<VkVertexInputBindingDescription, 2> kSphereBindings{
+    {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(LitSphere), VK_VERTEX_INPUT_RATE_INSTANCE}}};
+static_assert(sizeof(LitSphere) == 32 * sizeof(float)); // centre and radius, 27 coefficients, padding
+constexpr VkVertexInputAttributeDescription sphere_line(std::uint32_t i) {
+    return {1 + i, 1, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * i};
+}
+constexpr std::array<VkVertexInputAttributeDescription, 9> kSphereAttributes{{{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0},
+                                                                              sphere_line(0),
+                                                                              sphere_line(1),
+                                                                              sphere_line(2),
+                                                                              sphere_line(3),
+                                                                              sphere_line(4),
+                                                                              sphere_line(5),
+                                                                              sphere_line(6),
+                                                                              sphere_line(7)}};
 
 // One shader of a pipeline.
 vulkan::ShaderSource vertex(std::span<const std::uint32_t> spirv, const char* file) {
@@ -228,6 +252,39 @@ std::vector<Recipe> list_pipelines(Quality quality, const Passes& passes) {
     return recipes;
 }
 
+std::vector<Recipe> list_probe_pipelines(Quality quality, const Passes& passes) {
+    const bool full = quality == Quality::full;
+    vulkan::GraphicsPipelineOptions colored{};
+    colored.bindings = kColoredBindings;
+    colored.attributes = kColoredAttributes;
+    colored.layout = passes.scene_layout.get();
+    colored.pass = passes.scene.get();
+    colored.cull = VK_CULL_MODE_BACK_BIT;
+    colored.depth_test = true;
+    colored.depth_write = true;
+    vulkan::GraphicsPipelineOptions spheres = colored;
+    spheres.bindings = kSphereBindings;
+    spheres.attributes = kSphereAttributes;
+    const vulkan::ShaderSource color =
+        full ? fragment(color_hdr_frag, "passes/color_hdr.frag") : fragment(color_frag, "passes/color.frag");
+    const std::uint32_t hdr = full ? 1 : 0;
+    return {{Passes::colored, {vertex(colored_vert, "passes/colored.vert"), color}, {hdr}, colored},
+            {Passes::lit_spheres, {vertex(lit_sphere_vert, "passes/lit_sphere.vert"), color}, {hdr}, spheres}};
+}
+
+Status cook_all(const vulkan::Device& device, std::vector<Recipe> recipes,
+                const std::filesystem::path& shader_directory, Passes& passes) {
+    for (Recipe& recipe : recipes) {
+        const Passes::Name name = recipe.name;
+        Result<vulkan::ReloadablePipeline> pipeline = cook(device, std::move(recipe), shader_directory);
+        if (!pipeline) {
+            return pipeline.error();
+        }
+        passes.pipelines[name] = std::move(pipeline).value();
+    }
+    return Ok{};
+}
+
 } // namespace
 
 Result<Passes> create_passes(const vulkan::Device& device, Quality quality,
@@ -239,15 +296,15 @@ Result<Passes> create_passes(const vulkan::Device& device, Quality quality,
     if (const Status created = create_render_passes(device, quality, passes); !created) {
         return created.error();
     }
-    for (Recipe& recipe : list_pipelines(quality, passes)) {
-        const Passes::Name name = recipe.name;
-        Result<vulkan::ReloadablePipeline> pipeline = cook(device, std::move(recipe), shader_directory);
-        if (!pipeline) {
-            return pipeline.error();
-        }
-        passes.pipelines[name] = std::move(pipeline).value();
+    if (const Status cooked = cook_all(device, list_pipelines(quality, passes), shader_directory, passes); !cooked) {
+        return cooked.error();
     }
     return passes;
+}
+
+Status create_probe_passes(const vulkan::Device& device, Quality quality, const std::filesystem::path& shader_directory,
+                           Passes& passes) {
+    return cook_all(device, list_probe_pipelines(quality, passes), shader_directory, passes);
 }
 
 } // namespace alpenglow::sandbox

@@ -4,7 +4,9 @@
 #include <array>
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <cstring>
+#include <numbers>
 
 #include <alpenglow/vulkan/mip_chain.hpp>
 #include <alpenglow/vulkan/transfer.hpp>
@@ -48,6 +50,28 @@ void bind_vertices(VkCommandBuffer commands, std::uint32_t binding, VkBuffer buf
     vkCmdBindVertexBuffers(commands, binding, 1, &buffer, &offset);
 }
 
+// The unit sphere by rings and meridians, counter-clockwise from outside.
+void make_sphere(std::vector<glm::vec3>& vertices, std::vector<std::uint32_t>& indices) {
+    constexpr std::uint32_t rings = 20;
+    constexpr std::uint32_t meridians = 40;
+    constexpr float pi = std::numbers::pi_v<float>;
+    for (std::uint32_t r = 0; r <= rings; ++r) {
+        const float polar = pi * static_cast<float>(r) / static_cast<float>(rings);
+        for (std::uint32_t m = 0; m <= meridians; ++m) {
+            const float azimuth = 2.0F * pi * static_cast<float>(m) / static_cast<float>(meridians);
+            vertices.emplace_back(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth),
+                                  std::cos(polar));
+        }
+    }
+    for (std::uint32_t r = 0; r < rings; ++r) {
+        for (std::uint32_t m = 0; m < meridians; ++m) {
+            const std::uint32_t v = r * (meridians + 1) + m;
+            const std::uint32_t below = v + meridians + 1;
+            indices.insert(indices.end(), {v, below, v + 1, v + 1, below, below + 1});
+        }
+    }
+}
+
 bool is_lit(glm::vec3 illuminance) {
     return illuminance.x > 0.0F || illuminance.y > 0.0F || illuminance.z > 0.0F;
 }
@@ -63,6 +87,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const vulkan::Device& device,
         r.quality_ = device.info().is_cpu ? Quality::lean : Quality::full;
     }
     r.frames_in_flight_ = options.frames_in_flight;
+    r.shader_directory_ = options.shader_directory;
     Result<Passes> passes = create_passes(device, r.quality_, options.shader_directory);
     if (!passes) {
         return passes.error();
@@ -325,6 +350,69 @@ void Renderer::record_objects(VkCommandBuffer commands, std::span<const ObjectRu
     }
 }
 
+// The pipelines and the sphere, once.
+Status Renderer::prepare_probes() {
+    if (sphere_vertices_) {
+        return Ok{};
+    }
+    if (const Status created = create_probe_passes(device_, quality_, shader_directory_, passes_); !created) {
+        return created;
+    }
+    probe_vertices_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, frames_in_flight_};
+    probe_indices_ = {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, frames_in_flight_};
+    probe_spheres_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, frames_in_flight_};
+    std::vector<glm::vec3> vertices;
+    std::vector<std::uint32_t> indices;
+    make_sphere(vertices, indices);
+    sphere_index_count_ = static_cast<std::uint32_t>(indices.size());
+    if (const Status uploaded = upload_once(device_, indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT, sphere_indices_);
+        !uploaded) {
+        return uploaded;
+    }
+    return upload_once(device_, vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, sphere_vertices_);
+}
+
+Status Renderer::update_probe_buffers(const ProbeRenderData& probes, DrawStats& stats) {
+    Status status = prepare_probes();
+    const auto copy = [&](DynamicBuffer& buffer, const auto& items) {
+        if (status) {
+            status = buffer.replace(device_, items);
+            ++stats.uploads;
+            stats.upload_bytes += items.size_bytes();
+        }
+    };
+    if (status && probe_mesh_revision_ != probes.mesh_revision) {
+        probe_mesh_revision_ = probes.mesh_revision;
+        copy(probe_vertices_, probes.vertices);
+        copy(probe_indices_, probes.indices);
+    }
+    if (status && probe_spheres_revision_ != probes.spheres_revision) {
+        probe_spheres_revision_ = probes.spheres_revision;
+        copy(probe_spheres_, probes.spheres);
+    }
+    return status;
+}
+
+void Renderer::record_probes(VkCommandBuffer commands, const ProbeRenderData& probes, DrawStats& stats) const {
+    const auto draw = [&](Passes::Name pass, VkBuffer vertices, VkBuffer indices, std::size_t count,
+                          std::size_t instances) {
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, passes_[pass]);
+        bind_vertices(commands, 0, vertices);
+        vkCmdBindIndexBuffer(commands, indices, 0, VK_INDEX_TYPE_UINT32);
+        vkCmdDrawIndexed(commands, static_cast<std::uint32_t>(count), static_cast<std::uint32_t>(instances), 0, 0, 0);
+        ++stats.draws;
+        stats.triangles += static_cast<std::uint32_t>(count / 3 * instances);
+    };
+    if (!probes.spheres.empty()) {
+        bind_vertices(commands, 1, probe_spheres_.get());
+        draw(Passes::lit_spheres, sphere_vertices_->get(), sphere_indices_->get(), sphere_index_count_,
+             probes.spheres.size());
+    }
+    if (!probes.indices.empty()) {
+        draw(Passes::colored, probe_vertices_.get(), probe_indices_.get(), probes.indices.size(), 1);
+    }
+}
+
 void Renderer::record_shadow_map(VkCommandBuffer commands, DrawStats& stats) {
     // Seen from the light, objects stand still: the map holds as long as light and camera do.
     if (block_.shadow_from_relative == shadow_drawn_for_ && block_.camera_m == shadow_drawn_at_) {
@@ -340,7 +428,8 @@ void Renderer::record_shadow_map(VkCommandBuffer commands, DrawStats& stats) {
     vkCmdEndRenderPass(commands);
 }
 
-void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, DrawStats& stats) const {
+void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, const ProbeRenderData* probes,
+                            DrawStats& stats) const {
     const auto bind = [&](Passes::Name name) {
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, passes_[name]);
     };
@@ -367,6 +456,9 @@ void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, Dr
             bind_terrain_image(terrain_images_.front(), 0); // objects do not read it, but share the terrain's shader
         }
         record_objects(commands, visible_.runs(), visible_instances_.get(), stats);
+    }
+    if (probes != nullptr) {
+        record_probes(commands, *probes, stats);
     }
     if (!frame.terrain_indices.empty()) {
         bind_vertices(commands, 0, terrain_vertices_->get());
@@ -410,7 +502,8 @@ const vulkan::Image& Renderer::output() const {
     return quality_ == Quality::full ? *final_target_.color : *scene_target_.color;
 }
 
-Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swapchain, ImDrawData* hud) {
+Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swapchain, ImDrawData* hud,
+                                 const ProbeRenderData* probes) {
     assert(hud == nullptr || hud_ != nullptr);
     DrawStats stats;
     Result<vulkan::FrameRing::Frame> begun = ring_->begin();
@@ -420,6 +513,11 @@ Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swap
     const VkCommandBuffer commands = begun->commands;
     if (const Status updated = update_buffers(frame, begun->slot, stats); !updated) {
         return updated.error();
+    }
+    if (probes != nullptr) {
+        if (const Status updated = update_probe_buffers(*probes, stats); !updated) {
+            return updated.error();
+        }
     }
     if (hud != nullptr) {
         stats.hud_redrawn = hud_->record_picture(commands, *hud);
@@ -434,7 +532,7 @@ Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swap
     if (quality_ == Quality::full) {
         record_shadow_map(commands, stats);
         vulkan::begin_render_pass(commands, passes_.scene.get(), scene_target_);
-        record_scene(commands, frame, stats);
+        record_scene(commands, frame, probes, stats);
         vkCmdEndRenderPass(commands);
         vulkan::begin_render_pass(commands, passes_.final.get(), final_target_);
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, passes_[Passes::resolve]);
@@ -443,7 +541,7 @@ Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swap
         vkCmdDraw(commands, 3, 1, 0, 0);
     } else {
         vulkan::begin_render_pass(commands, passes_.scene.get(), scene_target_);
-        record_scene(commands, frame, stats);
+        record_scene(commands, frame, probes, stats);
     }
     overlay();
     vkCmdEndRenderPass(commands);

@@ -93,6 +93,18 @@ public:
         out = value->get<std::string>();
     }
 
+    void boolean(const char* key, bool& out) {
+        const Json* value = find(key);
+        if (value == nullptr) {
+            return;
+        }
+        if (!value->is_boolean()) {
+            fail(key, shown(*value), "true or false");
+            return;
+        }
+        out = value->get<bool>();
+    }
+
     // The object under `key`; null if there is none.
     const Json* object(const char* key) {
         const Json* value = find(key);
@@ -200,6 +212,9 @@ Result<Json> parse_json(std::string_view text, const std::string& file) {
 constexpr std::array<std::pair<Quality, std::string_view>, 3> quality_names{
     {{Quality::automatic, "auto"}, {Quality::lean, "lean"}, {Quality::full, "full"}}};
 
+constexpr std::array<std::pair<Deringing, std::string_view>, 3> deringing_names{
+    {{Deringing::none, "none"}, {Deringing::paper, "paper"}, {Deringing::exact, "exact"}}};
+
 } // namespace
 
 std::string_view to_string(Quality quality) {
@@ -250,6 +265,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
     const Json* atmosphere = top.object("atmosphere");
     const Json* camera = top.object("camera");
     const Json* exposure = top.object("exposure");
+    const Json* probes = top.object("probes");
     top.no_others();
     if (top.failed()) {
         return top.error();
@@ -297,6 +313,24 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
         light.no_others();
         if (light.failed()) {
             return light.error();
+        }
+    }
+    if (probes != nullptr) {
+        Reader grid(*probes, file, "probes.");
+        scene.probes.emplace();
+        std::string deringing = "exact";
+        grid.text("deringing", deringing);
+        const auto way = std::find_if(deringing_names.begin(), deringing_names.end(),
+                                      [&](const auto& entry) { return entry.second == deringing; });
+        if (way == deringing_names.end()) {
+            grid.fail("deringing", shown(Json(deringing)), "none, paper or exact");
+        } else {
+            scene.probes->deringing = way->first;
+        }
+        grid.boolean("show", scene.probes->show);
+        grid.no_others();
+        if (grid.failed()) {
+            return grid.error();
         }
     }
     return scene;

@@ -1,18 +1,26 @@
 // What a scene is: a date, a place, the air, and where the camera stands. Scenes are JSON; see docs/scenes.md.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
+#include <alpenglow/components/light_probe.hpp>
 #include <alpenglow/core/result.hpp>
 
 #include "sandbox/world/camera.hpp"
 #include "sandbox/world/quality.hpp"
 
 namespace alpenglow::sandbox {
+
+// Of a scene with a probe grid.
+struct ProbeSettings {
+    Deringing deringing = Deringing::exact;
+    bool show = true; // draw probes of the grid
+};
 
 struct Scene {
     std::string name;
@@ -32,6 +40,7 @@ struct Scene {
     float camera_fov_deg = 50.0F; // vertical
     float exposure_bias_ev = 0.0F;
     Quality quality = Quality::automatic;
+    std::optional<ProbeSettings> probes; // a courtyard lit by probes, with things that move in it
 };
 
 inline constexpr std::string_view default_scene = "alpine-morning";
