@@ -28,7 +28,7 @@ glm::dvec3 direction(double azimuth_deg, double elevation_deg) {
 
 // The sun stands at azimuth 0, 30 degrees high.
 Camera view_of(int view, const glm::dvec3& centre, double extent) {
-    const glm::dvec3 from[] = {direction(90, -20), direction(15, 15), direction(170, 5), direction(60, 5)};
+    const glm::dvec3 from[] = {direction(90, 5), direction(15, 15), direction(170, -20), direction(60, 5)};
     return look_at(centre + from[view] * (1.9 * extent), centre, 0.30F, width, height);
 }
 

@@ -1,6 +1,7 @@
 #include "clouds_test_support.hpp"
 
 #include <alpenglow/clouds/bricks.hpp>
+#include <alpenglow/clouds/library.hpp>
 #include <alpenglow/clouds/vdb.hpp>
 
 #include <filesystem>
@@ -228,6 +229,67 @@ TEST(CloudStorage, BadGridsAreNamedWithWhatIsWrong) {
     grid = float_grid();
     grid->tree().addTile(2, openvdb::Coord(0, 0, 0), 1.0F, true);
     EXPECT_NE(complaint(grid, {1 << 20}).find("at most 1 MiB"), std::string::npos);
+}
+
+TEST(CloudStorage, CoarseLevelsKeepMassAndPlace) {
+    SparseGrid grid = noise_cloud(13, 27);
+    GridTransform transform;
+    transform.voxel_m = {2.0, 3.0, 4.0};
+    transform.origin_m = {7.0, 8.0, 9.0};
+    grid.set_transform(transform);
+    const auto moments = [](const SparseGrid& g) {
+        double mass = 0.0;
+        glm::dvec3 first(0.0);
+        const glm::dvec3 v = g.transform().voxel_m;
+        for (std::int32_t b = 0; b < g.table().count(); ++b) {
+            for (int i = 0; i < 512; ++i) {
+                const double m = double(g.brick(b)[i]) * v.x * v.y * v.z;
+                const glm::ivec3 index =
+                    g.min() + g.table().coordinates()[std::size_t(b)] * 8 + glm::ivec3(i & 7, (i >> 3) & 7, i >> 6);
+                mass += m;
+                first += g.transform().world_from_index(glm::dvec3(index)) * m;
+            }
+        }
+        return std::pair(mass, first / mass);
+    };
+    const auto [mass, centre] = moments(grid);
+    for (const int level : {1, 2, 3}) {
+        const auto [coarse_mass, coarse_centre] = moments(coarsen(grid, level));
+        EXPECT_NEAR(coarse_mass / mass, 1.0, 1e-5);
+        // A coarse voxel's mass sits at its middle: a fraction of it off.
+        EXPECT_NEAR(coarse_centre.x, centre.x, 0.02 * 2.0 * (1 << level));
+        EXPECT_NEAR(coarse_centre.z, centre.z, 0.02 * 4.0 * (1 << level));
+    }
+}
+
+TEST(CloudStorage, TheLibraryKeepsItsBudget) {
+    std::vector<std::string> paths;
+    for (unsigned i = 0; i < 4; ++i) {
+        paths.push_back(temporary("library" + std::to_string(i) + ".vdb"));
+        ASSERT_TRUE(save_vdb(paths.back(), std::vector<VdbGrid>{vdb_from_sparse(noise_cloud(30 + i, 24), "density")}));
+    }
+    const std::size_t one = BrickVolume(noise_cloud(30, 24)).memory_bytes();
+    CloudLibrary library(one * 5 / 2);
+    auto first = library.load(paths[0]);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(*library.load(paths[0]), *first); // shared
+    std::shared_ptr<const BrickVolume> held = *first;
+    first = Error{};
+    for (int round = 0; round < 2; ++round) {
+        for (const std::string& path : paths) {
+            const auto volume = library.load(path); // unused ones go
+            ASSERT_TRUE(volume);
+            EXPECT_LE(library.memory_bytes(), one * 5 / 2);
+        }
+    }
+    EXPECT_EQ(*library.load(paths[0]), held); // what is in use stays
+    const auto other = library.load(paths[1]);
+    const auto third = library.load(paths[2]);
+    ASSERT_FALSE(third);
+    EXPECT_NE(third.error().message().find("library2.vdb"), std::string::npos);
+    EXPECT_NE(third.error().message().find("coarser level"), std::string::npos);
+    EXPECT_TRUE(library.load(paths[2], {}, 2));
+    EXPECT_FALSE(library.load("/nonexistent.vdb"));
 }
 
 } // namespace
