@@ -63,8 +63,9 @@ float CloudStaleness::bound() const {
     return anew ? std::numeric_limits<float>::infinity() : direction[0] + direction[1] + sky;
 }
 
-float turning_error(float angle_rad) {
-    return 4.0F * angle_rad;
+float turning_error(float angle_rad, float anisotropy) {
+    const float width = std::cbrt(std::max(1.0F - std::abs(anisotropy), 5e-3F));
+    return 3.0F * angle_rad / (width * width);
 }
 
 CloudStaleness staleness(const CloudVolume& cloud, const CloudLight& light, const CloudSources& sources) {
@@ -75,8 +76,8 @@ CloudStaleness staleness(const CloudVolume& cloud, const CloudLight& light, cons
                light.lights != sources.count;
     for (int i = 0; i < sources.count && !out.anew; ++i) {
         out.anew = light.kind[std::size_t(i)] != sources.kind[i];
-        out.direction[i] =
-            turning_error(angle_between(light.made_from_to_light[std::size_t(i)], sources.lights[i].to_light));
+        out.direction[i] = turning_error(
+            angle_between(light.made_from_to_light[std::size_t(i)], sources.lights[i].to_light), cloud.anisotropy);
     }
     const bool sky = cloud.skylit && sources.sky.bands > 0;
     if (sky != light.has_sky) {
