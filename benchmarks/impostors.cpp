@@ -181,7 +181,6 @@ const Case metric_case("impostors/metrics", [](const Context& context) {
     const glm::dvec3 from(0, -4, 0);
     // Against the worst of 2000 points spread over the ball.
     std::vector<double> ratio;
-    double beyond = 0.0;
     for (const glm::dvec3& eye : eyes) {
         double worst = 0.0;
         for (int k = 0; k < 2000; ++k) {
@@ -192,7 +191,6 @@ const Case metric_case("impostors/metrics", [](const Context& context) {
         }
         const double bound = translation_angle(bounds, from, eye);
         ratio.push_back(bound / worst);
-        beyond += worst > bound * 1.001 ? 1.0 : 0.0;
     }
     std::sort(ratio.begin(), ratio.end());
     Row row{"impostors",

@@ -107,6 +107,23 @@ double translation_angle(const Sphere& bounds, const glm::dvec3& capture_eye_m, 
     return std::max({best, f1, f2});
 }
 
+double translation_angle_quick(const Sphere& bounds, const glm::dvec3& capture_eye_m, const glm::dvec3& eye_m,
+                               int planes) {
+    // The sine of the angle is |p - q| b sin(beta) / (|P - e| |Q - e|), and |P - e| >= p - b: what is left is largest
+    // on the axis, at the front.
+    const double r = bounds.radius_m;
+    const double d = glm::length(bounds.centre_m - capture_eye_m);
+    const double b = glm::length(eye_m - capture_eye_m);
+    const double gap = d - r - b;
+    if (!(gap > 0.0)) {
+        return b == 0.0 && d > r ? 0.0 : std::numbers::pi;
+    }
+    const double one = b * r / (gap * (d - b));
+    const double many = b * r / ((d + r) * planes) * (d - r) / (gap * gap);
+    const double sine = planes <= 1 ? one : many;
+    return sine < 1.0 ? std::asin(sine) : std::numbers::pi;
+}
+
 double zoom_angle(double radius_m, double capture_m, double distance_m) {
     const Sphere bounds{glm::dvec3(0.0), radius_m};
     return translation_angle(bounds, {0.0, -capture_m, 0.0}, {0.0, -distance_m, 0.0});

@@ -83,6 +83,7 @@ struct Scheduler::Candidate {
     double importance = 0.0;
     int required = 0;
     bool missing = false;
+    SlotId judged = no_slot; // whose urgency it is
 };
 
 Result<Scheduler> Scheduler::create(const SchedulerSettings& settings) {
@@ -172,9 +173,15 @@ double Scheduler::urgency(const Slot& slot, const SceneObject& object, const Fru
         // The bound by geometry alone; what a warp leaves depends on the content, once that is known.
         if (!slot.sensitivity || !warped(slot.representation)) {
             const int planes = warped(slot.representation) ? (slot.layers + 1) / 2 : slot.layers;
-            const double angle = translation_angle(centred, slot.eye_m, eye, planes);
-            worst = std::max({worst, over_tolerance(angle, tolerance.angle_rad),
-                              over_tolerance(angle * pixels_per_radian(view, object.bounds), tolerance.pixels)});
+            const double per_radian = pixels_per_radian(view, object.bounds);
+            const auto share = [&](double angle) {
+                return std::max(over_tolerance(angle, tolerance.angle_rad),
+                                over_tolerance(angle * per_radian, tolerance.pixels));
+            };
+            const double quick = share(translation_angle_quick(centred, slot.eye_m, eye, planes));
+            worst = std::max(worst, quick <= 0.5 * settings_.ahead
+                                        ? quick
+                                        : share(translation_angle(centred, slot.eye_m, eye, planes)));
         }
         if (object.phase_g != 0.0) {
             worst = std::max(
@@ -332,7 +339,7 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
             if (pixels < settings_.smallest_pixels) {
                 continue;
             }
-            seen.push_back({o, v, &record, 0.0, pixels, required, false});
+            seen.push_back({o, v, &record, 0.0, pixels, required, false, no_slot});
         }
     }
     report.seen = static_cast<std::uint32_t>(seen.size());
@@ -441,6 +448,7 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
                 c.missing = false;
             }
         }
+        c.judged = shown.slot;
         for (const SlotId id : {shown.slot, shown.before}) {
             if (id != no_slot) {
                 Slot& slot = slots_.at(id);
@@ -589,7 +597,9 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
             if (shown.slot == no_slot) {
                 ++report.unserved;
             } else {
-                item.urgency = urgency(slots_.at(shown.slot), object, view, lights, granted_side(c.required, level));
+                item.urgency = shown.slot == c.judged ? c.urgency
+                                                      : urgency(slots_.at(shown.slot), object, view, lights,
+                                                                granted_side(c.required, level));
                 if (std::isfinite(item.urgency)) {
                     report.worst_urgency = std::max(report.worst_urgency, item.urgency);
                 }

@@ -72,6 +72,25 @@ TEST(TranslationAngle, BoundsEveryPointAndIsTight) {
     RecordProperty("median_bound_over_measured", std::to_string(tightness[tightness.size() / 2]));
 }
 
+TEST(TranslationAngle, TheQuickBoundIsNoLess) {
+    std::mt19937 random(8);
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
+    for (int n = 0; n < 20000; ++n) {
+        const Sphere bounds{{0, 0, 0}, 1.0};
+        const double far = 1.0 + std::exp(8.0 * uniform(random) - 4.0);
+        const glm::dvec3 c = far * random_direction(random);
+        const glm::dvec3 e = c + (far - 1.0) * std::exp(-6.0 * uniform(random)) * random_direction(random);
+        for (const int planes : {1, 2, 8, 16}) {
+            ASSERT_GE(translation_angle_quick(bounds, c, e, planes) * (1.0 + 1e-12),
+                      translation_angle(bounds, c, e, planes));
+        }
+    }
+    // And close to it for a small step across.
+    EXPECT_NEAR(translation_angle_quick({{0, 0, 0}, 1.0}, {0, -4, 0}, {1e-4, -4, 0}) /
+                    translation_angle({{0, 0, 0}, 1.0}, {0, -4, 0}, {1e-4, -4, 0}),
+                1.0, 0.01);
+}
+
 TEST(TranslationAngle, SmallMotionIsLinear) {
     const Sphere bounds{{0, 0, 0}, 1.0};
     const glm::dvec3 c(0, -4, 0);

@@ -22,6 +22,11 @@ namespace alpenglow::impostors {
 [[nodiscard]] double translation_angle(const Sphere& bounds, const glm::dvec3& capture_eye_m, const glm::dvec3& eye_m,
                                        int planes = 1);
 
+// No less than translation_angle, in a tenth of its time: b R / ((d - R - b) (d - b)) for one plane, with b the way
+// from the capture's eye, at distance d from the centre. pi where that says nothing.
+[[nodiscard]] double translation_angle_quick(const Sphere& bounds, const glm::dvec3& capture_eye_m,
+                                             const glm::dvec3& eye_m, int planes = 1);
+
 // The zoom error alone: the angle by which a point at the rim of the sphere's front or back moves against the middle
 // plane when the eye goes straight ahead from distance `capture_m` to `distance_m`.
 [[nodiscard]] double zoom_angle(double radius_m, double capture_m, double distance_m);
