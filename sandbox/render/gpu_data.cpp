@@ -135,7 +135,8 @@ namespace {
 glm::vec3 near_light(const FrameData& frame, const SkyExtract& sky, std::size_t entry) {
     const auto luminance = [](const glm::vec3& rgb) { return glm::dot(rgb, {0.2126F, 0.7152F, 0.0722F}); };
     const float half = static_cast<float>(entry) / 16.0F;
-    const float cosine = (1.0F - 2.0F * half * half) * std::sqrt(std::max(0.0F, 1.0F - frame.to_sun.z * frame.to_sun.z));
+    const float cosine =
+        (1.0F - 2.0F * half * half) * std::sqrt(std::max(0.0F, 1.0F - frame.to_sun.z * frame.to_sun.z));
     constexpr float g = 0.76F;
     const float rayleigh_phase = 3.0F / (16.0F * kPi) * (1.0F + cosine * cosine);
     const float spread = (1.0F - g) * (1.0F - g) + 2.0F * g * (1.0F - cosine);

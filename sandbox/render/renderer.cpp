@@ -12,7 +12,7 @@
 #include <alpenglow/vulkan/transfer.hpp>
 
 #include "sandbox/render/detail_image.hpp"
-#include "sandbox/render/sky_dome.hpp"
+#include "sandbox/render/frustum.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
@@ -37,10 +37,8 @@ Status upload_once(const vulkan::Device& device, const std::vector<T>& items, Vk
 void write_sky(std::span<const SkyVertex> sky, std::span<std::byte> bytes) {
     std::memcpy(bytes.data(), sky.data(), sky.size_bytes());
     std::array<SkyVertex, SkyDome::skirt_vertices> skirt{};
-    for (std::uint32_t i = 0; i < SkyDome::azimuths; ++i) {
-        const SkyVertex& horizon = sky[i];
-        skirt[i] = {{horizon.direction.x, horizon.direction.y, -0.1F}, horizon.radiance_cd_m2};
-        skirt[SkyDome::azimuths + i] = {{0.0F, 0.0F, -1.0F}, horizon.radiance_cd_m2};
+    for (std::uint32_t i = 0; i < SkyDome::skirt_vertices; ++i) {
+        skirt[i] = {sky_direction(sky, SkyDome::vertices + i), sky[i % SkyDome::azimuths].radiance_cd_m2};
     }
     std::memcpy(bytes.data() + sky.size_bytes(), skirt.data(), sizeof skirt);
 }
@@ -135,8 +133,14 @@ Status Renderer::create_descriptors() {
     }
     descriptors_ = std::move(pool).value();
 
-    Result<vulkan::Sampler> terrain = vulkan::create_sampler(device_, {});
-    Result<vulkan::Sampler> detail = vulkan::create_sampler(device_, {.address = VK_SAMPLER_ADDRESS_MODE_REPEAT});
+    const bool full = quality_ == Quality::full;
+    Result<vulkan::Sampler> terrain = vulkan::create_sampler(
+        device_, {.mipmap = full ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST});
+    Result<vulkan::Sampler> detail = vulkan::create_sampler(
+        device_, full ? vulkan::SamplerOptions{.mipmap = VK_SAMPLER_MIPMAP_MODE_LINEAR,
+                                               .address = VK_SAMPLER_ADDRESS_MODE_REPEAT}
+                      : vulkan::SamplerOptions{.filter = VK_FILTER_NEAREST, // grain: 2 ms less than linear
+                                               .address = VK_SAMPLER_ADDRESS_MODE_REPEAT});
     Result<vulkan::Sampler> shadow = vulkan::create_sampler(device_, {.compare_greater = true});
     Result<vulkan::Sampler> point = vulkan::create_sampler(device_, {.filter = VK_FILTER_NEAREST});
     for (const Result<vulkan::Sampler>* sampler : {&terrain, &detail, &shadow, &point}) {
@@ -194,7 +198,6 @@ Status Renderer::upload_world(const WorldData& world) {
     }
     visible_ = VisibleObjects(world);
     const std::vector<std::uint32_t> sky = sky_dome_indices();
-    sky_index_count_ = static_cast<std::uint32_t>(sky.size());
     for (const Status& uploaded :
          {upload_once(device_, world.terrain.vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, terrain_vertices_),
           upload_once(device_, vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, object_vertices_),
@@ -321,6 +324,9 @@ Status Renderer::update_buffers(const FrameData& frame, std::uint32_t slot, Draw
                     [&](std::span<std::byte> bytes) { write_sky(frame.sky_vertices, bytes); });
         }
     }
+    if (!frame.sky_vertices.empty()) {
+        sky_runs_ = visible_sky(sky_patches_, frame.sky_vertices, side_planes(clip_from_relative(frame)));
+    }
     stats.objects_considered = static_cast<std::uint32_t>(instances_.size());
     if (visible_.update(clip_from_relative(frame), frame.camera_m, pixels_per_radian(frame, extent_.height))) {
         replace(visible_instances_, visible_.objects().size() * sizeof(gpu::Instance), [&](std::span<std::byte> bytes) {
@@ -444,16 +450,15 @@ void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, co
                            sizeof constants, &constants);
     };
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 2, 1, &detail_set_, 0, nullptr);
-    const auto bind_terrain_image = [&](const TerrainImage& terrain, std::uint32_t tile) {
+    const auto bind_terrain_image = [&](const TerrainImage& terrain) {
         vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1, &terrain.set, 0, nullptr);
-        const std::uint32_t coarser = std::min<std::uint32_t>(tile + 1, kDetailTiles.size() - 1);
-        push({terrain.from_position, {kDetailTiles[tile], kDetailTiles[coarser]}});
+        push({terrain.from_position, {kDetailTiles[0], kDetailTiles[1]}});
     };
     // Near things first, the sky last: what is hidden costs no fragment.
     if (!visible_.objects().empty()) {
         bind(Passes::objects);
         if (!terrain_images_.empty()) {
-            bind_terrain_image(terrain_images_.front(), 0); // objects do not read it, but share the terrain's shader
+            bind_terrain_image(terrain_images_.front()); // objects do not read it, but share the terrain's shader
         }
         record_objects(commands, visible_.runs(), visible_instances_.get(), stats);
     }
@@ -465,8 +470,8 @@ void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, co
         bind_vertices(commands, 1, terrain_vertices_->get()); // not read: the terrain is one piece
         vkCmdBindIndexBuffer(commands, terrain_indices_.get(), 0, VK_INDEX_TYPE_UINT32);
         for (const TerrainRun& run : terrain_runs_) {
-            bind(run.tile + 1 < kDetailTiles.size() ? Passes::terrain : Passes::terrain_far);
-            bind_terrain_image(terrain_images_[run.grid], run.tile);
+            bind(run.near ? Passes::terrain : Passes::terrain_far);
+            bind_terrain_image(terrain_images_[run.grid]);
             draw_indexed(run.index_count, run.first_index);
         }
     }
@@ -481,7 +486,9 @@ void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, co
         bind(Passes::sky);
         bind_vertices(commands, 0, sky_vertices_.get());
         vkCmdBindIndexBuffer(commands, sky_indices_->get(), 0, VK_INDEX_TYPE_UINT32);
-        draw_indexed(sky_index_count_, 0);
+        for (const IndexRun& run : sky_runs_) {
+            draw_indexed(run.count, run.first);
+        }
     }
     const auto draw_disc = [&](Passes::Name name, std::uint32_t body) {
         bind(name);

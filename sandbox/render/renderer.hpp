@@ -20,6 +20,7 @@
 #include "sandbox/render/gpu_data.hpp"
 #include "sandbox/render/hud.hpp"
 #include "sandbox/render/passes.hpp"
+#include "sandbox/render/sky_dome.hpp"
 #include "sandbox/render/terrain_image.hpp"
 #include "sandbox/render/visible_objects.hpp"
 #include "sandbox/world/probe_render_data.hpp"
@@ -139,7 +140,8 @@ private:
     std::optional<vulkan::Buffer> all_instances_; // for the shadow map
     std::vector<ObjectRun> all_runs_;
     std::optional<vulkan::Buffer> sky_indices_;
-    std::uint32_t sky_index_count_ = 0;
+    std::vector<SkyPatch> sky_patches_ = sky_dome_patches();
+    std::vector<IndexRun> sky_runs_; // in view
     std::vector<Mesh> meshes_;
     std::vector<gpu::Instance> instances_; // one an object
     VisibleObjects visible_;

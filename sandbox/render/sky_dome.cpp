@@ -1,5 +1,6 @@
 #include "sandbox/render/sky_dome.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -60,13 +61,43 @@ void place_sky_vertices(glm::vec3 to_sun, std::span<SkyVertex> vertices) {
     }
 }
 
+namespace {
+
+constexpr std::uint32_t n = SkyDome::azimuths;
+constexpr std::uint32_t zenith = SkyDome::vertices - n; // first vertices of the rings that are one point
+constexpr std::uint32_t nadir = SkyDome::vertices + n;
+constexpr std::uint32_t patch_azimuths = 8; // cells of a patch
+constexpr std::uint32_t patch_rings = 8;
+static_assert(n % patch_azimuths == 0 && (SkyDome::rings - 1) % patch_rings == 0);
+
+// Calls fn(first vertex of the lower ring, of the upper ring, azimuth) for each cell, patch by patch, and end() after
+// each patch.
+template <class Cell, class End>
+void for_each_cell(Cell cell, End end) {
+    for (std::uint32_t azimuth = 0; azimuth < n; azimuth += patch_azimuths) {
+        const auto strip = [&](std::uint32_t lower, std::uint32_t upper) {
+            for (std::uint32_t i = azimuth; i < azimuth + patch_azimuths; ++i) {
+                cell(lower, upper, i);
+            }
+        };
+        strip(nadir, SkyDome::vertices);
+        strip(SkyDome::vertices, 0);
+        end();
+        for (std::uint32_t ring = 0; ring + 1 < SkyDome::rings; ++ring) {
+            strip(ring * n, (ring + 1) * n);
+            if ((ring + 1) % patch_rings == 0) {
+                end();
+            }
+        }
+    }
+}
+
+} // namespace
+
 std::vector<std::uint32_t> sky_dome_indices() {
-    constexpr std::uint32_t n = SkyDome::azimuths;
-    constexpr std::uint32_t zenith = SkyDome::vertices - n; // rings that are one point
-    constexpr std::uint32_t nadir = SkyDome::vertices + n;
     std::vector<std::uint32_t> indices;
-    const auto strip = [&](std::uint32_t lower, std::uint32_t upper) { // first vertices of two rings
-        for (std::uint32_t i = 0; i < n; ++i) {
+    for_each_cell(
+        [&indices](std::uint32_t lower, std::uint32_t upper, std::uint32_t i) {
             const std::uint32_t next = (i + 1) % n;
             if (lower != nadir) {
                 indices.insert(indices.end(), {lower + i, upper + next, lower + next});
@@ -74,14 +105,60 @@ std::vector<std::uint32_t> sky_dome_indices() {
             if (upper != zenith) {
                 indices.insert(indices.end(), {lower + i, upper + i, upper + next});
             }
-        }
-    };
-    for (std::uint32_t ring = 0; ring + 1 < SkyDome::rings; ++ring) {
-        strip(ring * n, (ring + 1) * n);
-    }
-    strip(SkyDome::vertices, 0);
-    strip(nadir, SkyDome::vertices);
+        },
+        [] {});
     return indices;
+}
+
+std::vector<SkyPatch> sky_dome_patches() {
+    std::vector<SkyPatch> patches;
+    SkyPatch patch;
+    for_each_cell(
+        [&patch](std::uint32_t lower, std::uint32_t upper, std::uint32_t i) {
+            const std::uint32_t next = (i + 1) % n;
+            patch.index_count += (lower != nadir ? 3U : 0U) + (upper != zenith ? 3U : 0U);
+            patch.corners.insert(patch.corners.end(), {lower + i, lower + next, upper + i, upper + next});
+        },
+        [&] {
+            std::sort(patch.corners.begin(), patch.corners.end());
+            patch.corners.erase(std::unique(patch.corners.begin(), patch.corners.end()), patch.corners.end());
+            patches.push_back(patch);
+            patch = {patch.first_index + patch.index_count, 0, {}};
+        });
+    return patches;
+}
+
+glm::vec3 sky_direction(std::span<const SkyVertex> vertices, std::uint32_t vertex) {
+    if (vertex < SkyDome::vertices) {
+        return vertices[vertex].direction;
+    }
+    if (vertex < nadir) {
+        const glm::vec3& horizon = vertices[vertex - SkyDome::vertices].direction;
+        return {horizon.x, horizon.y, -0.1F};
+    }
+    return {0.0F, 0.0F, -1.0F};
+}
+
+std::vector<IndexRun> visible_sky(std::span<const SkyPatch> patches, std::span<const SkyVertex> vertices,
+                                  std::span<const glm::vec3, 4> side_planes) {
+    std::vector<IndexRun> runs;
+    for (const SkyPatch& patch : patches) {
+        // Out of sight if all corners lie outside of one plane: then so does all between them.
+        const bool hidden = std::any_of(side_planes.begin(), side_planes.end(), [&](const glm::vec3& plane) {
+            return std::all_of(patch.corners.begin(), patch.corners.end(), [&](std::uint32_t corner) {
+                return glm::dot(plane, sky_direction(vertices, corner)) < 0.0F;
+            });
+        });
+        if (hidden) {
+            continue;
+        }
+        if (!runs.empty() && runs.back().first + runs.back().count == patch.first_index) {
+            runs.back().count += patch.index_count;
+        } else {
+            runs.push_back({patch.first_index, patch.index_count});
+        }
+    }
+    return runs;
 }
 
 } // namespace alpenglow::sandbox

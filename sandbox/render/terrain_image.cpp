@@ -58,11 +58,10 @@ glm::vec4 image_from_position(const TerrainGrid& grid) {
 std::vector<TerrainRun> sort_terrain(std::span<const std::uint32_t> indices, std::span<const TerrainGrid> grids,
                                      glm::vec2 camera_m, std::span<std::uint32_t> sorted) {
     assert(!grids.empty() && sorted.size() == indices.size());
-    constexpr std::size_t kTiles = kDetailTiles.size();
     const std::size_t triangles = indices.size() / 3;
-    // A key for each triangle: tile first, so that the nearest are drawn first, then grid from fine to coarse.
+    // A key for each triangle: near before far, so that what hides is drawn first, then grid from fine to coarse.
     std::vector<std::uint8_t> keys(triangles);
-    std::vector<TerrainRun> runs(kTiles * grids.size());
+    std::vector<TerrainRun> runs(2 * grids.size());
     for (std::size_t t = 0; t < triangles; ++t) {
         std::array<glm::vec2, 3> corners{};
         for (std::size_t k = 0; k < 3; ++k) {
@@ -83,14 +82,11 @@ std::vector<TerrainRun> sort_terrain(std::span<const std::uint32_t> indices, std
             radius = std::max(radius, glm::distance(middle, corner));
         }
         const float distance = glm::distance(middle, camera_m) - radius;
-        std::size_t tile = 0;
-        while (tile + 1 < kTiles && distance > 1.2F * kNearTiles * kDetailTiles[tile]) {
-            ++tile;
-        }
-        const std::size_t key = tile * grids.size() + (grids.size() - 1 - grid);
+        const bool near = distance < 1.2F * kNearTiles * kDetailTiles[0];
+        const std::size_t key = (near ? 0 : grids.size()) + (grids.size() - 1 - grid);
         keys[t] = static_cast<std::uint8_t>(key);
         runs[key].grid = static_cast<std::uint32_t>(grid);
-        runs[key].tile = static_cast<std::uint32_t>(tile);
+        runs[key].near = near;
         runs[key].index_count += 3;
     }
     std::vector<std::uint32_t> next(runs.size(), 0);

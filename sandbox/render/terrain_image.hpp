@@ -20,15 +20,14 @@ namespace alpenglow::sandbox {
 // From positions to image coordinates: x * position + (y, z), texel centres on vertices.
 [[nodiscard]] glm::vec4 image_from_position(const TerrainGrid& grid);
 
-// Sides of the detail's tile, in metres. Ground nearer than kNearTiles times a side shows that size; each pixel shows
-// at most two.
-inline constexpr std::array<float, 3> kDetailTiles{22.0F, 280.0F, 3600.0F};
+// Sides of the two sizes of the detail's tile, in metres. The finer is seen out to kNearTiles of its sides.
+inline constexpr std::array<float, 2> kDetailTiles{22.0F, 700.0F};
 inline constexpr float kNearTiles = 5.5F;
 
 // A run of triangles that are drawn alike.
 struct TerrainRun {
     std::uint32_t grid = 0; // the finest that contains the triangles
-    std::uint32_t tile = 0; // the finest in kDetailTiles that they show
+    bool near = false;      // shows the finer tile
     std::uint32_t first_index = 0;
     std::uint32_t index_count = 0;
 };

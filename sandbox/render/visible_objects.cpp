@@ -8,22 +8,9 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
+#include "sandbox/render/frustum.hpp"
+
 namespace alpenglow::sandbox {
-namespace {
-
-// The planes of the frustum's sides, pointing inwards, unit normals: a point p is inside where dot(n, p) >= 0, p being
-// relative to the camera, which all four contain.
-std::array<glm::vec3, 4> side_planes(const glm::mat4& clip) {
-    const auto row = [&clip](glm::length_t r) { return glm::vec3(clip[0][r], clip[1][r], clip[2][r]); };
-    std::array<glm::vec3, 4> planes{row(3) + row(0), row(3) - row(0), row(3) + row(1), row(3) - row(1)};
-    for (glm::vec3& plane : planes) {
-        plane = glm::normalize(plane);
-    }
-    return planes;
-}
-
-} // namespace
-
 VisibleObjects::VisibleObjects(const WorldData& world) {
     std::vector<Ball> meshes; // around the middle of the bounding box
     for (const MeshData& mesh : world.object_meshes) {

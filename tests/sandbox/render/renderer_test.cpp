@@ -223,8 +223,8 @@ TEST_P(RendererTest, GroundHasOnAverageTheTerrainsLight) {
     }
     const Plain plain(albedo, 900.0F);
     start(plain);
-    // From above, the picture 4 x 4 tiles of the largest size high.
-    const float side = 4.0F * kDetailTiles.back();
+    // From above, the picture 20 tiles of the larger size high.
+    const float side = 20.0F * kDetailTiles.back();
     frame.camera_m = {0.0F, 0.0F, 0.5F * side / std::tan(0.4F)};
     look({0.0F, 1e-4F, -1.0F});
     draw();

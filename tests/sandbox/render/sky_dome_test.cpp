@@ -1,13 +1,18 @@
 #include "sandbox/render/sky_dome.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <random>
 #include <utility>
 
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "sandbox/render/frustum.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
@@ -96,6 +101,51 @@ TEST(SkyDomeTest, IsFinestAtTheSun) {
     EXPECT_LT(nearest(sun), 1.5F * kPi / 180.0F);
     for (std::uint32_t i = 1; i < SkyDome::azimuths; ++i) {
         EXPECT_GT(sky_azimuth_from_sun(i), sky_azimuth_from_sun(i - 1));
+    }
+}
+
+TEST(SkyDomeTest, PatchesAreTheWholeDomeInOrder) {
+    const std::vector<std::uint32_t> indices = sky_dome_indices();
+    std::uint32_t next = 0;
+    for (const SkyPatch& patch : sky_dome_patches()) {
+        EXPECT_EQ(patch.first_index, next);
+        next += patch.index_count;
+        for (std::uint32_t i = patch.first_index; i < next; ++i) {
+            EXPECT_TRUE(std::binary_search(patch.corners.begin(), patch.corners.end(), indices[i]));
+        }
+    }
+    EXPECT_EQ(next, indices.size());
+}
+
+// Any triangle with a point in the picture is drawn, and most of the dome is not.
+TEST(SkyDomeTest, WhatIsInViewIsDrawn) {
+    std::vector<SkyVertex> sky(SkyDome::vertices);
+    place_sky_vertices(glm::normalize(glm::vec3(0.5F, -0.4F, 0.25F)), sky);
+    const std::vector<std::uint32_t> indices = sky_dome_indices();
+    const std::vector<SkyPatch> patches = sky_dome_patches();
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
+    for (int view = 0; view < 40; ++view) {
+        const glm::vec3 along = glm::normalize(glm::vec3(unit(random), unit(random), unit(random)));
+        glm::mat4 clip = glm::perspectiveRH_ZO(0.9F, 1.7F, 1.0F, 1000.0F) *
+                         glm::lookAtRH(glm::vec3(0.0F), along, glm::vec3(0.1F, 0.0F, 1.0F));
+        const std::vector<IndexRun> runs = visible_sky(patches, sky, side_planes(clip));
+        std::uint32_t drawn = 0;
+        for (const IndexRun& run : runs) {
+            drawn += run.count;
+        }
+        EXPECT_LT(drawn, indices.size());
+        for (std::uint32_t t = 0; t < indices.size(); t += 3) {
+            const glm::vec3 middle = (sky_direction(sky, indices[t]) + sky_direction(sky, indices[t + 1]) +
+                                      sky_direction(sky, indices[t + 2])) /
+                                     3.0F;
+            const glm::vec4 p = clip * glm::vec4(middle, 0.0F);
+            const bool in_view = p.w > 0.0F && std::abs(p.x) <= p.w && std::abs(p.y) <= p.w;
+            const bool is_drawn = std::any_of(runs.begin(), runs.end(), [t](const IndexRun& run) {
+                return t >= run.first && t < run.first + run.count;
+            });
+            ASSERT_TRUE(!in_view || is_drawn);
+        }
     }
 }
 
