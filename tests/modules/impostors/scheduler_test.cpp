@@ -414,5 +414,51 @@ TEST(Store, FlightStaysCloseToDirectDrawing) {
     EXPECT_LT(captured, seen);
 }
 
+// Into the cloud and out on the other side: the passage from the tight picture to the screen-aligned one and back is
+// smooth, and the error changes from frame to frame without a jump.
+TEST(Store, PassageIntoTheCloudIsSmooth) {
+    test::BlobCloud cloud = test::make_blob_cloud(40, 4, {0.3, 0.4, 0.866}, 3.0);
+    cloud.steps = 16;
+    const Drawable drawable = test::drawable(cloud);
+    std::vector<SceneObject> objects(1);
+    objects[0].id = 1;
+    objects[0].bounds = cloud.bounds;
+    SchedulerSettings settings;
+    settings.inside_downscale = 2.0;
+    Scheduler scheduler = make(settings);
+    CaptureStore store;
+    Plan plan;
+    constexpr int width = 80;
+    constexpr int height = 45;
+    float last_weight = 1.0F;
+    std::vector<double> errors;
+    for (int frame = 0; frame < 90; ++frame) {
+        const glm::dvec3 eye(0.05, -2.0 + 0.045 * frame, 0.1);
+        const std::vector<SceneView> views{
+            {1, look_at(eye, eye + glm::dvec3(0.1, 1, 0), {0, 0, 1}, 1.0, width, height)}};
+        scheduler.plan(objects, views, {}, frame / 60.0, plan);
+        ASSERT_TRUE(store.carry_out(plan, objects, views, {}, scheduler, [&](std::uint64_t) { return &drawable; }));
+        if (plan.draws.empty()) { // behind us
+            continue;
+        }
+        const double radii = glm::length(eye);
+        EXPECT_EQ(plan.report.inside, radii < settings.inside_start ? 1U : 0U);
+        EXPECT_EQ(plan.draws[0].impostor_weight == 0.0F, radii <= settings.inside_full);
+        EXPECT_LT(std::abs(plan.draws[0].impostor_weight - last_weight), 0.3F);
+        last_weight = plan.draws[0].impostor_weight;
+        std::vector<glm::vec4> image(static_cast<std::size_t>(width * height));
+        store.draw_view(plan, 0, objects, views, {}, {}, image);
+        errors.push_back(test::relative_rmse(image, test::draw_directly(cloud, views[0].frustum)));
+        EXPECT_LT(errors.back(), 0.05) << frame;
+    }
+    double step = 0.0;
+    for (std::size_t i = 1; i < errors.size(); ++i) {
+        step = std::max(step, std::abs(errors[i] - errors[i - 1]));
+    }
+    EXPECT_LT(step, 0.02);
+    RecordProperty("largest_error", std::to_string(*std::max_element(errors.begin(), errors.end())));
+    RecordProperty("largest_step", std::to_string(step));
+}
+
 } // namespace
 } // namespace alpenglow::impostors
