@@ -285,10 +285,12 @@ const Case frame_case("clouds/frame", [](const Context& context) {
             .method = "",
             .error_metric = "relative RMSE of luminance",
             .reference = "OpenVDB, quarter-voxel steps for rays and shadows"};
-    for (const float step : {0.5F, 1.0F, 2.0F}) {
-        row.method = "OpenVDB VolumeRayIntersector, step " + std::to_string(step).substr(0, 3);
-        row.error = relative_rmse(openvdb_frame(view, step, 1.0F), exact);
-        add(context, row, [&] { keep(openvdb_frame(view, step, 1.0F).data()); });
+    for (const auto& [step, shadow] :
+         {std::pair{0.5F, 1.0F}, {1.0F, 1.0F}, {2.0F, 1.0F}, {2.0F, 2.0F}, {3.0F, 2.0F}, {4.0F, 4.0F}}) {
+        row.method = "OpenVDB VolumeRayIntersector, steps " + std::to_string(step).substr(0, 3) + ", " +
+                     std::to_string(shadow).substr(0, 3);
+        row.error = relative_rmse(openvdb_frame(view, step, shadow), exact);
+        add(context, row, [&, s1 = step, s2 = shadow] { keep(openvdb_frame(view, s1, s2).data()); });
     }
     LightingSettings settings;
     settings.method = LightingMethod::single_scattering;
@@ -451,6 +453,11 @@ const Case memory_case("clouds/memory", [](const Context& context) {
     context.add(row);
     row.method = "bricks, 8 bits";
     row.bytes = double(s.volume.memory_bytes());
+    context.add(row);
+    const CloudLighting::ViewFields fields = lighting.contract(s.centre + glm::dvec3(300.0, 0.0, 0.0));
+    row.method = "what drawing reads: bricks, depth, fields for an eye";
+    row.bytes =
+        double(s.volume.memory_bytes() + lighting.lights()[0].depth.memory_bytes() + fields.fields[0].memory_bytes());
     context.add(row);
     row.method = "light: depth and moments, all that bakes keep";
     row.bytes = double(lighting.memory_bytes());
