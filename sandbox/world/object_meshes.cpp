@@ -91,8 +91,12 @@ public:
                {0, g, ridge + t}});
     }
 
-    // A cone of `sides` sides.
+    // A cone of `sides` sides, solid or (a spire) without a shadow.
     void cone(glm::vec3 base, float radius, float top, int sides, float twist, glm::vec3 albedo, float squash = 1.0F) {
+        solid(spire(base, radius, top, sides, twist, albedo, squash));
+    }
+    std::vector<glm::vec3> spire(glm::vec3 base, float radius, float top, int sides, float twist, glm::vec3 albedo,
+                                 float squash = 1.0F) {
         const glm::vec3 apex{base.x, base.y, top};
         std::vector<glm::vec3> ring;
         for (int k = 0; k < sides; ++k) {
@@ -104,7 +108,7 @@ public:
             face({ring[k], ring[(k + 1) % ring.size()], apex}, albedo);
         }
         ring.push_back(apex);
-        solid(ring);
+        return ring;
     }
 
     void solid(std::vector<glm::vec3> points) { object_.solids.push_back(std::move(points)); }
@@ -160,6 +164,78 @@ void boulder(Builder& builder) {
     builder.solid(points);
 }
 
+// A round crown on a trunk: three uneven rings of leaves between a low and a high point.
+void broadleaf(Builder& builder, float height, float radius, glm::vec3 leaves) {
+    constexpr int sides = 8;
+    constexpr std::size_t rings = 3;
+    constexpr std::array<float, rings> at{0.30F, 0.52F, 0.80F};
+    constexpr std::array<float, rings> wide{0.78F, 1.0F, 0.66F};
+    constexpr std::array<float, rings + 1> shade{0.62F, 0.82F, 1.0F, 1.12F};
+    builder.box({-0.3F, -0.3F, -1.5F}, {0.3F, 0.3F, 0.3F * height}, {0.08F, 0.065F, 0.05F}, false);
+    std::array<std::vector<glm::vec3>, rings> ring;
+    std::vector<glm::vec3> crown;
+    for (std::size_t r = 0; r < rings; ++r) {
+        for (int k = 0; k < sides; ++k) {
+            const float turn = (static_cast<float>(k) + 0.5F * static_cast<float>(r % 2)) / static_cast<float>(sides);
+            const float a = 2.0F * std::numbers::pi_v<float> * turn;
+            const auto uneven = [&](std::uint32_t seed) { return hash_unit(k, static_cast<int>(r), seed) - 0.5F; };
+            const float across = radius * wide[r] * (1.0F + 0.22F * uneven(3U));
+            ring[r].emplace_back(across * std::cos(a), across * std::sin(a), height * (at[r] + 0.08F * uneven(5U)));
+        }
+        crown.insert(crown.end(), ring[r].begin(), ring[r].end());
+    }
+    const glm::vec3 foot{0.0F, 0.0F, 0.19F * height};
+    const glm::vec3 top{0.1F * radius, 0.0F, height};
+    const auto leaf = [&](glm::vec3 p, glm::vec3 q, glm::vec3 r, float light) {
+        builder.face({p, q, r}, leaves * light);
+    };
+    for (std::size_t k = 0; k < sides; ++k) {
+        const std::size_t next = (k + 1) % sides;
+        leaf(foot, ring[0][next], ring[0][k], shade[0]);
+        // The second ring is turned by half a side.
+        leaf(ring[0][k], ring[0][next], ring[1][k], shade[1]);
+        leaf(ring[1][k], ring[0][next], ring[1][next], shade[1]);
+        leaf(ring[1][k], ring[1][next], ring[2][next], shade[2]);
+        leaf(ring[1][k], ring[2][next], ring[2][k], shade[2]);
+        leaf(ring[2][k], ring[2][next], top, shade[3]);
+    }
+    crown.push_back(foot);
+    crown.push_back(top);
+    builder.solid(crown);
+}
+
+// Posts with two rails, each a board seen from both sides.
+void fence(Builder& builder) {
+    constexpr glm::vec3 rail{0.140F, 0.128F, 0.112F};
+    const auto board = [&](glm::vec3 low, glm::vec3 high) {
+        builder.face({{low.x, 0, low.z}, {high.x, 0, low.z}, {high.x, 0, high.z}, {low.x, 0, high.z}}, rail);
+        builder.face({{high.x, 0, low.z}, {low.x, 0, low.z}, {low.x, 0, high.z}, {high.x, 0, high.z}}, rail);
+    };
+    for (const float x : {-4.5F, -1.5F, 1.5F, 4.5F}) {
+        board({x - 0.08F, 0, -0.8F}, {x + 0.08F, 0, 1.25F});
+    }
+    for (const float z : {0.5F, 0.98F}) {
+        board({-0.5F * fence_m, 0, z}, {0.5F * fence_m, 0, z + 0.13F});
+    }
+}
+
+// Conifers on a jittered lattice, for the distance: a cone each, no trunks.
+void grove(Builder& builder) {
+    constexpr int rows = 3;
+    for (int j = 0; j < rows; ++j) {
+        for (int i = 0; i < rows; ++i) {
+            const auto jitter = [&](std::uint32_t k) { return hash_unit(i, j, k) - 0.5F; };
+            const float cell = grove_m / rows;
+            const glm::vec3 foot{cell * (static_cast<float>(i - 1) + 0.8F * jitter(1)),
+                                 cell * (static_cast<float>(j - 1) + 0.8F * jitter(2)), -1.0F};
+            const float height = 17.0F + 10.0F * jitter(3);
+            const bool larch = jitter(4) > 0.28F;
+            const glm::vec3 needles = larch ? glm::vec3(0.066F, 0.098F, 0.034F) : glm::vec3(0.029F, 0.053F, 0.023F);
+            builder.spire(foot, 0.22F * height, height, 5, 6.0F * jitter(6), needles * (1.0F + 0.5F * jitter(5)));
+        }
+    }
+}
+
 } // namespace
 
 ObjectMesh make_object_mesh(ObjectKind kind) {
@@ -208,6 +284,15 @@ ObjectMesh make_object_mesh(ObjectKind kind) {
         break;
     case ObjectKind::boulder:
         boulder(builder);
+        break;
+    case ObjectKind::linden:
+        broadleaf(builder, 14.0F, 5.2F, {0.058F, 0.098F, 0.030F});
+        break;
+    case ObjectKind::fence:
+        fence(builder);
+        break;
+    case ObjectKind::grove:
+        grove(builder);
         break;
     }
     for (const Vertex& v : object.mesh.vertices) {

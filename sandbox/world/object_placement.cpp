@@ -20,27 +20,38 @@ struct Building {
     glm::vec2 offset_m;
     float azimuth_deg; // of the front
 };
+struct Fence {
+    glm::vec2 from_m, to_m;
+};
 struct Place {
     glm::vec2 centre_m;
-    std::span<const Building> buildings;
+    std::span<const Building> buildings; // and what else has its place
+    std::span<const Fence> fences;
     int tree_groups;
     int trees; // a group
     int boulders;
     float reach_m;
 };
 
-constexpr std::array<Building, 4> hamlet{{{ObjectKind::hut, {0.0F, 0.0F}, 200.0F},
+constexpr std::array<Building, 7> hamlet{{{ObjectKind::hut, {0.0F, 0.0F}, 200.0F},
                                           {ObjectKind::chapel, {34.0F, 22.0F}, 250.0F},
                                           {ObjectKind::barn, {-30.0F, 14.0F}, 160.0F},
-                                          {ObjectKind::barn, {20.0F, -30.0F}, 110.0F}}};
-constexpr std::array<Building, 2> farm{
-    {{ObjectKind::hut, {0.0F, 0.0F}, 180.0F}, {ObjectKind::barn, {24.0F, 8.0F}, 140.0F}}};
+                                          {ObjectKind::barn, {20.0F, -30.0F}, 110.0F},
+                                          {ObjectKind::linden, {52.0F, 30.0F}, 0.0F},
+                                          {ObjectKind::linden, {-14.0F, -38.0F}, 70.0F},
+                                          {ObjectKind::linden, {-16.0F, 38.0F}, 200.0F}}};
+constexpr std::array<Fence, 2> hamlet_fences{
+    {{{361.0F, -324.0F}, {408.0F, -270.0F}}, {{408.0F, -270.0F}, {396.0F, -212.0F}}}};
+constexpr std::array<Fence, 1> farm_fences{{{{-1800.0F, -388.0F}, {-1716.0F, -372.0F}}}};
+constexpr std::array<Building, 3> farm{{{ObjectKind::hut, {0.0F, 0.0F}, 180.0F},
+                                        {ObjectKind::barn, {24.0F, 8.0F}, 140.0F},
+                                        {ObjectKind::linden, {-17.0F, 6.0F}, 20.0F}}};
 constexpr std::array<Building, 1> alp{{{ObjectKind::hut, {0.0F, 0.0F}, 170.0F}}};
 
-const std::array<Place, 4> places{{{{330.0F, -260.0F}, hamlet, 8, 6, 0, 220.0F},
-                                   {{-1765.0F, -335.0F}, farm, 5, 5, 2, 150.0F},
-                                   {{4700.0F, 4556.0F}, alp, 5, 7, 7, 170.0F},
-                                   {{6530.0F, -3590.0F}, farm, 4, 6, 3, 160.0F}}};
+const std::array<Place, 4> places{{{{330.0F, -260.0F}, hamlet, hamlet_fences, 8, 6, 4, 220.0F},
+                                   {{-1765.0F, -335.0F}, farm, farm_fences, 5, 5, 2, 150.0F},
+                                   {{4700.0F, 4556.0F}, alp, {}, 5, 7, 7, 170.0F},
+                                   {{6530.0F, -3590.0F}, farm, {}, 4, 6, 3, 160.0F}}};
 
 float slope_at(const Terrain& terrain, glm::vec2 p) {
     const float d = 8.0F;
@@ -76,6 +87,16 @@ std::vector<ObjectInstance> place_objects(const Terrain& terrain, const MeshData
             objects.push_back(stand(terrain, mesh, b.kind, place.centre_m + b.offset_m,
                                     b.azimuth_deg * std::numbers::pi_v<float> / 180.0F, 1.0F, 0.2F));
         }
+        for (const Fence& fence : place.fences) {
+            const glm::vec2 along = fence.to_m - fence.from_m;
+            const int pieces = static_cast<int>(glm::length(along) / fence_m);
+            for (int k = 0; k < pieces; ++k) {
+                const glm::vec2 middle =
+                    fence.from_m + glm::normalize(along) * (fence_m * (static_cast<float>(k) + 0.5F));
+                objects.push_back(
+                    stand(terrain, mesh, ObjectKind::fence, middle, -std::atan2(along.y, along.x), 1.0F, 0.0F));
+            }
+        }
         const auto is_free = [&](glm::vec2 p, float clearance_m) {
             return std::all_of(objects.begin() + static_cast<std::ptrdiff_t>(first), objects.end(),
                                [&](const ObjectInstance& o) {
@@ -105,6 +126,24 @@ std::vector<ObjectInstance> place_objects(const Terrain& terrain, const MeshData
             const float scale = 0.6F + 1.1F * draw();
             if (is_free(p, 4.0F)) {
                 objects.push_back(stand(terrain, mesh, ObjectKind::boulder, p, turn_rad * draw(), scale, 0.3F * scale));
+            }
+        }
+    }
+    // Groves along the edges of the woods, which hide the rest.
+    for (const Place& place : places) {
+        constexpr int reach = 30;
+        for (int j = -reach; j <= reach; ++j) {
+            for (int i = -reach; i <= reach; ++i) {
+                const glm::vec2 p =
+                    place.centre_m + grove_m * glm::vec2(static_cast<float>(i) + 0.5F * (draw() - 0.5F),
+                                                         static_cast<float>(j) + 0.5F * (draw() - 0.5F));
+                const float scale = 0.85F + 0.35F * draw();
+                const float turn = turn_rad * draw();
+                const auto cover = [&](float x, float y) { return wood_cover(terrain, p + grove_m * glm::vec2(x, y)); };
+                const bool edge = std::min({cover(1, 0), cover(-1, 0), cover(0, 1), cover(0, -1)}) < 0.5F;
+                if (cover(0, 0) > 0.5F && edge) {
+                    objects.push_back(stand(terrain, mesh, ObjectKind::grove, p, turn, scale, 0.5F));
+                }
             }
         }
     }

@@ -54,6 +54,9 @@ float hidden_disc_fraction(float x) noexcept {
 ObjectShadows::ObjectShadows(const std::vector<ObjectMesh>& meshes, const std::vector<ObjectInstance>& objects)
     : meshes_(meshes), objects_(objects) {
     for (std::uint32_t k = 0; k < objects.size(); ++k) {
+        if (meshes[objects[k].mesh].solids.empty()) {
+            continue;
+        }
         const glm::vec3 foot(objects[k].world_from_object[3]);
         auto near = std::find_if(groups_.begin(), groups_.end(), [&](const Group& group) {
             return glm::distance(glm::vec3(objects[group.objects.front()].world_from_object[3]), foot) <

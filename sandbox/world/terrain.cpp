@@ -228,8 +228,12 @@ float lake_distance_m(glm::vec2 p) {
     const float angle = 0.1F;
     const glm::vec2 q((d.x * std::cos(angle) + d.y * std::sin(angle)) / 1150.0F,
                       (-d.x * std::sin(angle) + d.y * std::cos(angle)) / 430.0F);
+    const float distance = glm::length(q) - 1.0F;
+    if (distance > 2.0F) {
+        return distance * 430.0F; // far away, where no bay matters
+    }
     const float wobble = 0.18F * gradient_noise(p.x / 420.0F, p.y / 420.0F, 77U);
-    return (glm::length(q) - 1.0F + wobble) * 430.0F;
+    return (distance + wobble) * 430.0F;
 }
 
 float Terrain::height_m(glm::vec2 p) const {
@@ -360,70 +364,129 @@ glm::vec3 grid_normal(const HeightGrid& grid, int i, int j) {
     return glm::normalize(glm::vec3(-slope(1, 0), -slope(0, 1), 1.0F));
 }
 
-float forest_cover(const Terrain& terrain, glm::vec2 p, float height_m, glm::vec3 normal) {
-    const Framework f = framework(p, terrain.seed);
-    const float patches = fractal_noise(p.x / 900.0F, p.y / 900.0F, 4, terrain.seed + 41U);
-    const float tree_line_m = 1780.0F + 220.0F * patches;
-    const float below_line = 1.0F - smoothstep(tree_line_m - 90.0F, tree_line_m + 60.0F, height_m);
-    const float not_cliff = smoothstep(0.58F, 0.72F, normal.z);
-    // Clearings on gentle ground, and farmland on the floors.
-    const float gentle = smoothstep(0.90F, 0.985F, normal.z);
-    const float wood = smoothstep(-0.06F, 0.04F, patches + 0.40F - 0.66F * gentle);
-    return below_line * not_cliff * wood * smoothstep(30.0F, 120.0F, f.distance_m);
+namespace {
+
+// Woods on the valley floors, where the slopes' forest does not reach.
+struct Wood {
+    glm::vec2 centre_m;
+    float radius_m;
+};
+constexpr Wood woods[] = {{{130.0F, 70.0F}, 70.0F},     {{400.0F, 130.0F}, 75.0F},    {{-150.0F, -190.0F}, 60.0F},
+                          {{-2010.0F, -170.0F}, 60.0F}, {{-1480.0F, -200.0F}, 55.0F}, {{-2080.0F, -420.0F}, 70.0F},
+                          {{6350.0F, -3850.0F}, 75.0F}, {{6800.0F, -3850.0F}, 75.0F}, {{6560.0F, -4250.0F}, 90.0F}};
+
+// Within a wood, 0 .. 1.
+float floor_wood(glm::vec2 p, std::uint32_t seed) {
+    for (const Wood& wood : woods) {
+        const float distance_m = glm::distance(p, wood.centre_m);
+        if (distance_m < 1.6F * wood.radius_m) {
+            const float wobble = 0.9F * fractal_noise(p.x / 120.0F, p.y / 120.0F, 2, seed + 47U);
+            return smoothstep(1.08F, 0.92F, distance_m / wood.radius_m + wobble);
+        }
+    }
+    return 0.0F;
 }
 
-glm::vec3 ground_albedo(const Terrain& terrain, glm::vec2 p, float height_m, glm::vec3 normal, float drainage_m2) {
+// Forest on slopes and floors, 0 .. 1. Avalanches keep their tracks free: the gullies that come from above.
+float wooded(glm::vec2 p, float height_m, float normal_z, float floor_distance_m, float patches, float gully,
+             std::uint32_t seed) {
+    const float tree_line_m = 1780.0F + 220.0F * patches;
+    const float below_line = 1.0F - smoothstep(tree_line_m - 60.0F, tree_line_m + 40.0F, height_m);
+    const float not_cliff = smoothstep(0.58F, 0.66F, normal_z);
+    // Clearings on gentle ground, and farmland on the floors.
+    const float gentle = smoothstep(0.90F, 0.985F, normal_z);
+    const float stand = smoothstep(-0.03F, 0.02F, patches + 0.40F - 0.66F * gentle);
+    const float track = gully * smoothstep(750.0F, 1150.0F, height_m);
+    const float slopes =
+        below_line * not_cliff * stand * (1.0F - 0.9F * track) * smoothstep(30.0F, 120.0F, floor_distance_m);
+    return std::max(slopes, floor_distance_m < 120.0F ? floor_wood(p, seed) : 0.0F);
+}
+
+// Farmland on a floor: narrow strips of several crops, turned by district.
+glm::vec3 field_albedo(glm::vec2 p, std::uint32_t seed) {
+    const float turn = 1.5F * hash_unit(static_cast<int>(std::floor(p.x / 520.0F)),
+                                        static_cast<int>(std::floor(p.y / 430.0F)), seed + 44U);
+    const float u = (p.x * std::cos(turn) + p.y * std::sin(turn)) / 170.0F;
+    const float v = (-p.x * std::sin(turn) + p.y * std::cos(turn)) / 52.0F;
+    const float crop = hash_unit(static_cast<int>(std::floor(u)), static_cast<int>(std::floor(v)), seed + 45U);
+    return crop < 0.30F   ? glm::vec3(0.088F, 0.138F, 0.038F)  // meadow, tall
+           : crop < 0.52F ? glm::vec3(0.128F, 0.168F, 0.056F)  // mown
+           : crop < 0.64F ? glm::vec3(0.155F, 0.165F, 0.066F)  // in flower
+           : crop < 0.76F ? glm::vec3(0.205F, 0.178F, 0.082F)  // hay
+           : crop < 0.88F ? glm::vec3(0.062F, 0.108F, 0.030F)  // maize
+           : crop < 0.95F ? glm::vec3(0.245F, 0.200F, 0.095F)  // wheat
+                          : glm::vec3(0.125F, 0.095F, 0.066F); // ploughed
+}
+
+} // namespace
+
+float wood_cover(const Terrain& terrain, glm::vec2 p) {
+    return floor_wood(p, terrain.seed);
+}
+
+glm::vec3 ground_albedo(const Terrain& terrain, glm::vec2 p, float height_m, glm::vec3 normal, float drainage_m2,
+                        float spacing_m) {
     const std::uint32_t seed = terrain.seed;
     const float lake = lake_distance_m(p);
     if (lake < 0.0F) {
         return glm::mix(glm::vec3(0.030F, 0.062F, 0.075F), glm::vec3(0.075F, 0.120F, 0.115F),
                         smoothstep(-45.0F, 0.0F, lake));
     }
-    const Framework f = framework(p, seed);
+    // Noise finer than the samples would only be speckle.
+    const bool fine = spacing_m < 40.0F;
+    const float floor_m = framework(p, seed).distance_m;
     const float slope = std::sqrt(std::max(0.0F, 1.0F - normal.z * normal.z)) / normal.z;
-    const float grain = fractal_noise(p.x / 130.0F, p.y / 130.0F, 3, seed + 42U);
-    const float broad = fractal_noise(p.x / 1500.0F, p.y / 1500.0F, 3, seed + 43U);
+    const float grain = fine ? fractal_noise(p.x / 130.0F, p.y / 130.0F, 3, seed + 42U) : 0.0F;
+    const float broad = fractal_noise(p.x / 1500.0F, p.y / 1500.0F, fine ? 3 : 2, seed + 43U);
+    const float patches = fractal_noise(p.x / 900.0F, p.y / 900.0F, fine ? 4 : 2, seed + 41U);
+    const float cells = std::max(0.0F, drainage_m2) / (4.0F * spacing_m * spacing_m); // the rivers' grid is coarser
+    const float gully = smoothstep(8.0F, 40.0F, cells) * smoothstep(0.35F, 0.55F, slope);
 
     // Turf dries out with height.
     const float alpine = smoothstep(1500.0F, 2300.0F, height_m + 200.0F * broad);
-    glm::vec3 albedo = glm::mix(glm::vec3(0.085F, 0.140F, 0.035F), glm::vec3(0.135F, 0.130F, 0.058F), alpine);
-    albedo *= 1.0F + 0.30F * grain;
-    if (f.distance_m < 60.0F && height_m < 1000.0F) {
-        // Fields on the floor: strips of several crops, turned by district.
-        const float turn = 1.5F * hash_unit(static_cast<int>(std::floor(p.x / 900.0F + 0.3F * grain)),
-                                            static_cast<int>(std::floor(p.y / 700.0F)), seed + 44U);
-        const float u = (p.x * std::cos(turn) + p.y * std::sin(turn)) / 190.0F;
-        const float v = (-p.x * std::sin(turn) + p.y * std::cos(turn)) / 110.0F;
-        const float crop = hash_unit(static_cast<int>(std::floor(u)), static_cast<int>(std::floor(v)), seed + 45U);
-        const glm::vec3 field = crop < 0.55F   ? glm::vec3(0.090F, 0.150F, 0.040F)
-                                : crop < 0.75F ? glm::vec3(0.120F, 0.165F, 0.050F)
-                                : crop < 0.90F ? glm::vec3(0.210F, 0.180F, 0.085F)
-                                               : glm::vec3(0.140F, 0.105F, 0.070F);
-        albedo = glm::mix(albedo, field * (1.0F + 0.2F * grain), 0.85F * smoothstep(60.0F, 0.0F, f.distance_m));
+    glm::vec3 albedo = glm::mix(glm::vec3(0.090F, 0.140F, 0.038F), glm::vec3(0.135F, 0.130F, 0.058F), alpine);
+    albedo = glm::mix(albedo, glm::vec3(0.140F, 0.150F, 0.056F), 0.7F * smoothstep(0.0F, 0.3F, broad - 0.5F * grain));
+    if (floor_m < 60.0F && height_m < 1000.0F) {
+        albedo = glm::mix(albedo, field_albedo(p, seed), 0.85F * smoothstep(60.0F, 0.0F, floor_m));
     }
-    const float forest = forest_cover(terrain, p, height_m, normal);
-    albedo = glm::mix(albedo, glm::vec3(0.026F, 0.048F, 0.020F) * (1.0F + 0.35F * grain), 0.95F * forest);
+    albedo *= 1.0F + 0.30F * grain;
 
-    // Bare ground: limestone, with scree below and in the gullies.
-    // Low down, woods hold on to all but the steepest walls.
-    const float wooded = 0.55F * (1.0F - smoothstep(900.0F, 1500.0F, height_m + 150.0F * grain));
+    // Beech and larch among the spruce, low and high; crowns and their gaps.
+    const float forest = wooded(p, height_m, normal.z, floor_m, patches, gully, seed);
+    if (forest > 0.0F) {
+        glm::vec3 trees(0.024F, 0.045F, 0.019F);
+        trees =
+            glm::mix(trees, glm::vec3(0.050F, 0.082F, 0.024F),
+                     0.8F * smoothstep(0.10F, 0.35F, 0.3F * grain - patches) * smoothstep(1300.0F, 1000.0F, height_m));
+        trees = glm::mix(trees, glm::vec3(0.052F, 0.070F, 0.026F),
+                         0.7F * smoothstep(1450.0F, 1750.0F, height_m + 300.0F * grain));
+        const float crowns = fine ? gradient_noise(p.x / 38.0F, p.y / 38.0F, seed + 46U) : 0.0F;
+        albedo = glm::mix(albedo, trees * (1.0F + 0.25F * grain + 0.30F * crowns), 0.96F * forest);
+    }
+
+    // Bare ground: limestone, with scree below and in the gullies. Low down, woods hold on to all but the steepest.
+    const float steep = glm::mix(1.16F, 0.74F, smoothstep(1250.0F, 2250.0F, height_m + 250.0F * broad));
+    // There rock shows in bands between ledges.
+    const float low_down = smoothstep(1700.0F, 1100.0F, height_m);
+    const float ledges = 0.5F + 0.5F * std::sin(height_m / 19.0F + 6.0F * broad + 5.0F * grain);
     const float bareness =
-        (1.0F - wooded) *
-        smoothstep(0.62F, 1.0F, slope + 0.25F * grain + 0.45F * smoothstep(1500.0F, 2400.0F, height_m) - 0.30F);
+        smoothstep(-0.07F, 0.07F, slope - steep + 0.28F * grain + 0.10F * broad - 0.60F * low_down * ledges);
     const float strata = 0.5F + 0.5F * std::sin(height_m / 23.0F + 4.0F * broad + 2.0F * grain);
-    const glm::vec3 rock =
-        glm::mix(glm::vec3(0.205F, 0.188F, 0.168F), glm::vec3(0.300F, 0.282F, 0.255F), strata) * (1.0F + 0.25F * grain);
+    const glm::vec3 rock = glm::mix(glm::vec3(0.176F, 0.170F, 0.158F), glm::vec3(0.268F, 0.260F, 0.242F), strata) *
+                           ((1.0F + 0.30F * grain) * (1.0F - 0.35F * low_down));
     albedo = glm::mix(albedo, rock, bareness);
-    const float scree = smoothstep(0.45F, 0.65F, slope) * (1.0F - smoothstep(0.85F, 1.05F, slope)) *
-                        smoothstep(1650.0F, 2050.0F, height_m + 250.0F * grain);
-    albedo = glm::mix(albedo, glm::vec3(0.330F, 0.310F, 0.280F) * (1.0F + 0.12F * grain), 0.8F * scree);
+    const float scree = smoothstep(0.48F, 0.58F, slope) * (1.0F - smoothstep(0.85F, 0.98F, slope)) *
+                        smoothstep(1750.0F, 1950.0F, height_m + 350.0F * grain + 250.0F * broad);
+    albedo = glm::mix(albedo, glm::vec3(0.300F, 0.284F, 0.258F) * (1.0F + 0.15F * grain), 0.85F * scree);
+    const float torrent = gully * smoothstep(40.0F, 160.0F, cells) * smoothstep(900.0F, 1300.0F, height_m);
+    albedo = glm::mix(albedo, glm::vec3(0.240F, 0.228F, 0.205F), 0.6F * torrent * (1.0F - forest));
 
     // Snow that lasts into summer: high, not too steep, longer in the shade and in gullies.
     const float shade = -60.0F * normal.y / std::max(normal.z, 0.2F);
-    const float gully = 60.0F * std::log2(1.0F + std::max(0.0F, drainage_m2) / 20000.0F);
-    const float snow_line_m = 2330.0F + 320.0F * broad + 260.0F * grain + shade * 2.0F - std::min(gully, 220.0F);
+    const float gathered = 60.0F * std::log2(1.0F + std::max(0.0F, drainage_m2) / 20000.0F);
+    const float snow_line_m = 2330.0F + 320.0F * broad + 260.0F * grain + shade * 2.0F - std::min(gathered, 220.0F);
     const float snow =
-        smoothstep(snow_line_m - 60.0F, snow_line_m + 120.0F, height_m) * (1.0F - smoothstep(0.95F, 1.35F, slope));
+        smoothstep(snow_line_m - 30.0F, snow_line_m + 60.0F, height_m) * (1.0F - smoothstep(0.95F, 1.35F, slope));
     albedo = glm::mix(albedo, glm::vec3(0.78F, 0.80F, 0.83F), snow);
 
     // Wet gravel along the shore.

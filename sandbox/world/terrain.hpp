@@ -37,12 +37,13 @@ struct Terrain {
 // Unit normal at a sample, from central differences over two samples each way.
 [[nodiscard]] glm::vec3 grid_normal(const HeightGrid& grid, int i, int j);
 
-// Linear Rec.709 reflectance of the ground: meadow, forest, rock, scree, snow, water, by slope, height and moisture.
+// Linear Rec.709 reflectance of the ground: fields, meadow, forest, rock, scree, snow, water, by slope, height and
+// moisture, for samples `spacing_m` apart.
 [[nodiscard]] glm::vec3 ground_albedo(const Terrain& terrain, glm::vec2 position_m, float height_m, glm::vec3 normal,
-                                      float drainage_m2);
+                                      float drainage_m2, float spacing_m);
 
-// How much of the ground there is wood, 0 .. 1: shared by albedo and by the placing of trees.
-[[nodiscard]] float forest_cover(const Terrain& terrain, glm::vec2 position_m, float height_m, glm::vec3 normal);
+// Within one of the woods on the valley floors, 0 .. 1: shared by albedo and by the placing of trees.
+[[nodiscard]] float wood_cover(const Terrain& terrain, glm::vec2 position_m);
 
 // The lake on the valley floor: its surface height, and a signed distance (negative over water).
 [[nodiscard]] float lake_height_m();

@@ -83,11 +83,13 @@ struct Level {
 };
 
 // How much a vertex looks unlike the mean of two others, as a fraction of the length of the edge between them that is
-// as disturbing as an error in shape.
+// as disturbing as an error in shape. Normals and the albedo's luminance are drawn from an image of the finest grid:
+// hue counts, the rest little.
 float contrast(const Vertex& v, const Vertex& a, const Vertex& b) {
     const glm::vec3 normal = unpack_normal(v.normal) - 0.5F * (unpack_normal(a.normal) + unpack_normal(b.normal));
     const glm::vec3 albedo = unpack_albedo(v.albedo) - 0.5F * (unpack_albedo(a.albedo) + unpack_albedo(b.albedo));
-    return 0.22F * std::min(0.7F, 0.5F * glm::length(normal) + glm::length(albedo));
+    const glm::vec3 hue = albedo - glm::dot(albedo, glm::vec3(0.2126F, 0.7152F, 0.0722F));
+    return 0.22F * std::min(0.7F, 0.2F * glm::length(normal) + 2.0F * glm::length(hue));
 }
 
 std::vector<Level> levels_coarse_to_fine() {

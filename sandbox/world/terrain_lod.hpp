@@ -26,7 +26,7 @@ struct LodView {
 };
 
 struct LodSettings {
-    std::uint32_t max_triangles = 15000;
+    std::uint32_t max_triangles = 13500;
     float target_error_px = 1.0F; // no finer than this even where the budget would allow it
     float haze_m = 25000.0F;      // the allowed error grows by e over this distance: haze takes contrast away
     float move_m = 3.0F;          // the triangulation is kept while the camera has moved less

@@ -19,7 +19,7 @@ void colour(const Terrain& terrain, const HeightGrid& grid, const std::vector<fl
             for (int i = 0; i < grid.n; ++i) {
                 const std::size_t k = grid.index(i, j);
                 const glm::vec3 albedo = ground_albedo(terrain, grid.position_m(i, j), grid.height_m[k],
-                                                       grid_normal(grid, i, j), drainage_m2[k]);
+                                                       grid_normal(grid, i, j), drainage_m2[k], grid.spacing_m);
                 out[k].albedo = pack_albedo(albedo, sky_visibility(horizons[k]));
                 out[k].horizon = pack_horizon(horizons[k]);
             }
