@@ -448,14 +448,22 @@ TEST(Store, PassageIntoTheCloudIsSmooth) {
         last_weight = plan.draws[0].impostor_weight;
         std::vector<glm::vec4> image(static_cast<std::size_t>(width * height));
         store.draw_view(plan, 0, objects, views, {}, {}, image);
-        errors.push_back(test::relative_rmse(image, test::draw_directly(cloud, views[0].frustum)));
-        EXPECT_LT(errors.back(), 0.05) << frame;
+        // Not relative to an image of which little may be left at the edge of the view: the cloud's radiance is
+        // about 1.
+        const auto exact = test::draw_directly(cloud, views[0].frustum);
+        double sum = 0.0;
+        for (std::size_t i = 0; i < image.size(); ++i) {
+            const glm::dvec4 d = glm::dvec4(image[i]) - glm::dvec4(exact[i]);
+            sum += glm::dot(d, d);
+        }
+        errors.push_back(std::sqrt(sum / static_cast<double>(4 * image.size())));
+        EXPECT_LT(errors.back(), 0.02) << frame;
     }
     double step = 0.0;
     for (std::size_t i = 1; i < errors.size(); ++i) {
         step = std::max(step, std::abs(errors[i] - errors[i - 1]));
     }
-    EXPECT_LT(step, 0.02);
+    EXPECT_LT(step, 0.01);
     RecordProperty("largest_error", std::to_string(*std::max_element(errors.begin(), errors.end())));
     RecordProperty("largest_step", std::to_string(step));
 }
