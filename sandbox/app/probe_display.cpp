@@ -16,7 +16,7 @@ namespace {
 constexpr float pi_f = std::numbers::pi_v<float>;
 constexpr std::uint32_t rings = 20; // from pole to pole
 constexpr std::uint32_t meridians = 24;
-constexpr float shown_albedo = 0.4F;
+constexpr float shown_albedo = 0.3F;
 constexpr glm::vec3 negative_color(0.9F, 0.02F, 0.02F);
 constexpr glm::vec3 positive_pin(0.05F, 0.3F, 1.0F);
 
@@ -31,7 +31,7 @@ glm::vec4 symbol(const glm::vec3& color, const glm::vec3& outwards) {
 
 void append_pin(const glm::vec3& at_m, const glm::vec3& color, std::vector<ColorVertex>& vertices,
                 std::vector<std::uint32_t>& indices) {
-    constexpr float size_m = 0.05F;
+    constexpr float size_m = 0.03F;
     const auto first = static_cast<std::uint32_t>(vertices.size());
     for (int k = 0; k < 6; ++k) { // +x -x +y -y +z -z
         glm::vec3 out(0.0F);
@@ -58,7 +58,7 @@ void append_probe_display(std::span<const glm::vec3> radiance, const glm::vec3& 
     if (!(mean > 0.0F)) {
         return;
     }
-    const auto radius = [&](float value) { return mean_radius_m * std::sqrt(std::abs(value) / mean); };
+    const auto radius = [&](float value) { return mean_radius_m * (0.5F + 0.5F * std::sqrt(std::abs(value) / mean)); };
 
     // The mesh's pole looks towards the light, so that its rings follow the lobes around it.
     glm::vec3 pole(-static_cast<float>(luminous[3]), -static_cast<float>(luminous[1]), static_cast<float>(luminous[2]));
@@ -90,7 +90,7 @@ void append_probe_display(std::span<const glm::vec3> radiance, const glm::vec3& 
     }
     const sh::Minimum least = sh::quadratic_minimum(luminous);
     const auto least_value = static_cast<float>(least.value);
-    append_pin(centre_m + (radius(least_value) + 0.06F) * glm::vec3(least.direction),
+    append_pin(centre_m + (radius(least_value) + 0.05F) * glm::vec3(least.direction),
                least.value < -sh::dering_tolerance * luminous[0] ? negative_color : positive_pin, vertices, indices);
 }
 

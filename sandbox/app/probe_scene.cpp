@@ -24,7 +24,7 @@ constexpr float pi_f = std::numbers::pi_v<float>;
 constexpr float yard_radius_m = 11.0F;
 constexpr float cos_quarter_degree = 0.99999048F;
 constexpr int occlusion_rays = 1024;
-constexpr float shown_mean_radius_m = 0.24F;
+constexpr float shown_mean_radius_m = 0.32F;
 constexpr float ball_radius_m = 0.45F;
 constexpr float ball_albedo = 0.4F;
 
@@ -88,11 +88,11 @@ ProbeScene::ProbeScene(BasicRegistry& registry, const World& world, const ProbeS
         balls_.push_back(registry_.create());
         registry_.emplace<ProbeReceiver>(balls_.back());
     }
-    // Every other row of the middle layer is shown.
+    // Every other row of the upper layer is shown.
     const ProbeGrid& grid = registry_.get<ProbeGrid>(grid_);
     for (int j = 1; j < grid.count.y; j += 2) {
         for (int i = 0; i < grid.count.x; ++i) {
-            const auto probe = static_cast<std::size_t>(i + grid.count.x * (j + grid.count.y));
+            const auto probe = static_cast<std::size_t>(i + grid.count.x * (j + 2 * grid.count.y));
             if (grid.valid[probe] != 0) {
                 shown_.push_back(registry_.create());
                 registry_.emplace<ProbeReceiver>(shown_.back(),

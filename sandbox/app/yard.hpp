@@ -26,7 +26,8 @@ struct YardLight {
 
 class Yard {
 public:
-    static constexpr glm::vec3 albedo{0.20F, 0.18F, 0.15F}; // of its stone
+    static constexpr glm::vec3 albedo{0.075F, 0.068F,
+                                      0.06F}; // of its stone: dark, so that shadows need their light from the sky
 
     explicit Yard(const World& world);
 

@@ -44,7 +44,7 @@ TEST(Scene, ReadsEveryField) {
         "observer": {"latitude_deg": -33.5, "longitude_deg": 151, "height_m": 20},
         "atmosphere": {"turbidity": 3, "ozone_atm_cm": 0.3, "ground_albedo": [0.1, 0.2, 0.3]},
         "camera": {"position_m": [1, 2, 3], "yaw_deg": 90, "pitch_deg": -5, "fov_deg": 45},
-        "exposure": {"bias_ev": -1.5}, "quality": "full"})",
+        "exposure": {"bias_ev": -1.5}, "quality": "full", "probes": {"deringing": "paper", "show": false}})",
                                             "x.json");
     ASSERT_TRUE(scene) << scene.error().message();
     EXPECT_EQ(scene->name, "n");
@@ -60,6 +60,9 @@ TEST(Scene, ReadsEveryField) {
     EXPECT_EQ(scene->camera_position_m, glm::vec3(1.0F, 2.0F, 3.0F));
     EXPECT_EQ(scene->exposure_bias_ev, -1.5F);
     EXPECT_EQ(scene->quality, Quality::full);
+    ASSERT_TRUE(scene->probes);
+    EXPECT_EQ(scene->probes->deringing, Deringing::paper);
+    EXPECT_FALSE(scene->probes->show);
     const Camera camera = scene_camera(*scene);
     EXPECT_NEAR(camera.forward().x, std::cos(5.0 * 3.14159265 / 180.0), 1e-6);
     EXPECT_NEAR(camera.fov_y_rad, 0.785398, 1e-5);
@@ -83,7 +86,21 @@ TEST(Scene, TheScenesAreThereAndRight) {
     EXPECT_GT(load_scene("polar-summer")->latitude_deg, 66.6);
 }
 
+TEST(Scene, HasNoProbesUnlessItAsksForThem) {
+    EXPECT_FALSE(parse_scene(good, "x.json")->probes);
+    const Result<Scene> scene = parse_scene(with(R"("probes": {})"), "x.json");
+    ASSERT_TRUE(scene) << scene.error().message();
+    ASSERT_TRUE(scene->probes);
+    EXPECT_EQ(scene->probes->deringing, Deringing::exact);
+    EXPECT_TRUE(scene->probes->show);
+}
+
 TEST(Scene, ErrorsNameFileFieldValueAndWhatWouldBeRight) {
+    expect_error(with(R"("probes": {"deringing": "hann"})"), "probes.deringing", "hann", "none, paper or exact");
+    expect_error(with(R"("probes": {"deringing": 3})"), "probes.deringing", "3", "a text");
+    expect_error(with(R"("probes": {"show": 1})"), "probes.show", "1", "true or false");
+    expect_error(with(R"("probes": {"grid": 1})"), "probes.grid", "unknown field", "one of deringing, show");
+    expect_error(with(R"("probes": true)"), "probes", "true", "an object");
     expect_error(replaced("47.27", "91"), "observer.latitude_deg", "91", "-90");
     expect_error(replaced("11.39", "-180.5"), "observer.longitude_deg", "-180.5", "180");
     expect_error(replaced("47.27", "\"north\""), "observer.latitude_deg", "north", "a number");

@@ -101,7 +101,7 @@ TEST_F(ProgramTest, HelpAndScenesAreListed) {
     const Outcome scenes = run_sandbox("--list-scenes");
     EXPECT_EQ(scenes.code, 0);
     for (const char* scene :
-         {"alpine-morning", "noon", "sunset", "full-moon-night", "southern-summer", "polar-summer"}) {
+         {"alpine-morning", "noon", "sunset", "full-moon-night", "southern-summer", "polar-summer", "probes"}) {
         EXPECT_NE(scenes.output.find(scene), std::string::npos) << scene;
     }
 }

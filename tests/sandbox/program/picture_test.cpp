@@ -78,7 +78,7 @@ TEST_F(Pictures, AStaticSceneRecomputesAndUploadsNothing) {
 
 TEST_F(Pictures, ValidationIsSilentInBothQualities) {
     for (const char* quality : {"lean", "full"}) {
-        for (const char* scene : {"alpine-morning", "full-moon-night"}) {
+        for (const char* scene : {"alpine-morning", "full-moon-night", "probes"}) {
             const Outcome outcome = run_sandbox("--headless --validate --frames 3 --size 192x108 --hud --quality " +
                                                 std::string(quality) + " --scene " + scene + " --out " +
                                                 in_folder("p.png"));
