@@ -119,7 +119,6 @@ void draw_help() {
                                "Space          stop and start time\n"
                                "[ ]            an hour back, on\n"
                                "PgUp PgDn      next, previous scene\n"
-                               "L              lean or full drawing\n"
                                "H              hide the panel\n"
                                "F1             this help\n"
                                "F12            screenshot\n"
