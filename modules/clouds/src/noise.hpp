@@ -40,9 +40,9 @@ inline float perlin(float x, float y, float z, std::uint32_t seed) {
     const auto fade = [](float t) { return t * t * t * (t * (t * 6.0F - 15.0F) + 10.0F); };
     const auto corner = [&](int dx, int dy, int dz) {
         const std::uint32_t h = hash(ix + dx, iy + dy, iz + dz, seed);
-        const float gx = static_cast<float>(h & 1023U) / 511.5F - 1.0F;
-        const float gy = static_cast<float>((h >> 10) & 1023U) / 511.5F - 1.0F;
-        const float gz = static_cast<float>((h >> 20) & 1023U) / 511.5F - 1.0F;
+        const float gx = static_cast<float>(h & 1023U) * (1.0F / 511.5F) - 1.0F;
+        const float gy = static_cast<float>((h >> 10) & 1023U) * (1.0F / 511.5F) - 1.0F;
+        const float gz = static_cast<float>((h >> 20) & 1023U) * (1.0F / 511.5F) - 1.0F;
         return gx * (tx - static_cast<float>(dx)) + gy * (ty - static_cast<float>(dy)) +
                gz * (tz - static_cast<float>(dz));
     };
@@ -65,9 +65,11 @@ inline float worley(float x, float y, float z, std::uint32_t seed) {
             for (int dx = -1; dx <= 1; ++dx) {
                 const std::uint32_t h =
                     hash(static_cast<int>(fx) + dx, static_cast<int>(fy) + dy, static_cast<int>(fz) + dz, seed);
-                const float px = fx + static_cast<float>(dx) + static_cast<float>(h & 1023U) / 1024.0F - x;
-                const float py = fy + static_cast<float>(dy) + static_cast<float>((h >> 10) & 1023U) / 1024.0F - y;
-                const float pz = fz + static_cast<float>(dz) + static_cast<float>((h >> 20) & 1023U) / 1024.0F - z;
+                const float px = fx + static_cast<float>(dx) + static_cast<float>(h & 1023U) * (1.0F / 1024.0F) - x;
+                const float py =
+                    fy + static_cast<float>(dy) + static_cast<float>((h >> 10) & 1023U) * (1.0F / 1024.0F) - y;
+                const float pz =
+                    fz + static_cast<float>(dz) + static_cast<float>((h >> 20) & 1023U) * (1.0F / 1024.0F) - z;
                 nearest = std::min(nearest, px * px + py * py + pz * pz);
             }
         }

@@ -212,7 +212,7 @@ Result<SparseGrid> sparse_from_vdb(const VdbGrid& handle, const std::string& whe
         return SparseGrid({0, 0, 0}, {0, 0, 0}, *transform); // an empty cloud is a cloud
     }
     for (int axis = 0; axis < 3; ++axis) {
-        const long extent = long(box.max()[axis]) - long(box.min()[axis]) + 1;
+        const long extent = long(box.max().asPointer()[axis]) - long(box.min().asPointer()[axis]) + 1;
         if (extent > BrickTable::max_axis_voxels - 8) {
             return Error{"spans " + std::to_string(extent) + " voxels on axis " + std::to_string(axis), where,
                          "at most " + std::to_string(BrickTable::max_axis_voxels - 8) + ": split or coarsen it"};
