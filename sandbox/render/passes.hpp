@@ -25,8 +25,9 @@ inline constexpr std::uint32_t kShadowMapSize = 2048;
 
 // Push constants of the scene's shaders.
 struct ScenePush {
-    glm::vec4 grid{0.0F};  // image_from_position(); for discs the first word says sun or moon
-    glm::vec2 tiles{1.0F}; // sides of the two sizes of the detail's tile, the finer first
+    glm::vec4 grid{0.0F};   // image_from_position(); for discs the first word says sun or moon
+    glm::vec2 tiles{1.0F};  // sides of the two sizes of the detail's tile, the finer first
+    glm::vec2 levels{0.0F}; // lean: mip levels of the grid's image and of the coarser detail
 };
 
 struct Passes {

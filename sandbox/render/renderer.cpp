@@ -450,15 +450,19 @@ void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, co
                            sizeof constants, &constants);
     };
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 2, 1, &detail_set_, 0, nullptr);
-    const auto bind_terrain_image = [&](const TerrainImage& terrain) {
+    const auto bind_terrain_image = [&](std::uint32_t grid, float distance_m) {
+        const TerrainImage& terrain = terrain_images_[grid];
         vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1, &terrain.set, 0, nullptr);
-        push({terrain.from_position, {kDetailTiles[0], kDetailTiles[1]}});
+        const auto level = [&](float texel_m) { return level_at(distance_m, block_.camera_m.w, texel_m); };
+        push({terrain.from_position,
+              {kDetailTiles[0], kDetailTiles[1]},
+              {level(terrain_grids_[grid].spacing_m), level(kDetailTiles[1] / kDetailSize)}});
     };
     // Near things first, the sky last: what is hidden costs no fragment.
     if (!visible_.objects().empty()) {
         bind(Passes::objects);
         if (!terrain_images_.empty()) {
-            bind_terrain_image(terrain_images_.front()); // objects do not read it, but share the terrain's shader
+            bind_terrain_image(0, 0.0F); // objects do not read it, but share the terrain's shader
         }
         record_objects(commands, visible_.runs(), visible_instances_.get(), stats);
     }
@@ -471,7 +475,7 @@ void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, co
         vkCmdBindIndexBuffer(commands, terrain_indices_.get(), 0, VK_INDEX_TYPE_UINT32);
         for (const TerrainRun& run : terrain_runs_) {
             bind(run.near ? Passes::terrain : Passes::terrain_far);
-            bind_terrain_image(terrain_images_[run.grid]);
+            bind_terrain_image(run.grid, run.distance_m);
             draw_indexed(run.index_count, run.first_index);
         }
     }

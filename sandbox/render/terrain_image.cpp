@@ -59,9 +59,11 @@ std::vector<TerrainRun> sort_terrain(std::span<const std::uint32_t> indices, std
                                      glm::vec2 camera_m, std::span<std::uint32_t> sorted) {
     assert(!grids.empty() && sorted.size() == indices.size());
     const std::size_t triangles = indices.size() / 3;
-    // A key for each triangle: near before far, so that what hides is drawn first, then grid from fine to coarse.
+    constexpr float kNear = 1.2F * kNearTiles * kDetailTiles[0];
+    constexpr std::size_t kOctaves = 11; // 148 km and more
+    // A key for each triangle: distance first, so that what hides is drawn first, then grid from fine to coarse.
     std::vector<std::uint8_t> keys(triangles);
-    std::vector<TerrainRun> runs(2 * grids.size());
+    std::vector<TerrainRun> runs((1 + kOctaves) * grids.size());
     for (std::size_t t = 0; t < triangles; ++t) {
         std::array<glm::vec2, 3> corners{};
         for (std::size_t k = 0; k < 3; ++k) {
@@ -74,19 +76,22 @@ std::vector<TerrainRun> sort_terrain(std::span<const std::uint32_t> indices, std
         while (grid > 0 && !inside(grids[grid])) {
             --grid;
         }
-        // No nearer than the ball around the triangle; the margin covers how far the camera moves before the
+        // Near where the ball around the triangle is; the margin in kNear covers how far the camera moves before the
         // triangulation is made anew.
         const glm::vec2 middle = (corners[0] + corners[1] + corners[2]) / 3.0F;
         float radius = 0.0F;
         for (const glm::vec2 corner : corners) {
             radius = std::max(radius, glm::distance(middle, corner));
         }
-        const float distance = glm::distance(middle, camera_m) - radius;
-        const bool near = distance < 1.2F * kNearTiles * kDetailTiles[0];
-        const std::size_t key = (near ? 0 : grids.size()) + (grids.size() - 1 - grid);
+        const float distance = glm::distance(middle, camera_m);
+        const bool near = distance - radius < kNear;
+        const auto octave =
+            static_cast<std::size_t>(std::clamp(std::log2(distance / kNear), 0.0F, static_cast<float>(kOctaves - 1)));
+        const std::size_t key = (near ? 0 : 1 + octave) * grids.size() + (grids.size() - 1 - grid);
         keys[t] = static_cast<std::uint8_t>(key);
         runs[key].grid = static_cast<std::uint32_t>(grid);
         runs[key].near = near;
+        runs[key].distance_m = near ? 0.0F : kNear * std::exp2(static_cast<float>(octave) + 0.5F);
         runs[key].index_count += 3;
     }
     std::vector<std::uint32_t> next(runs.size(), 0);
@@ -101,6 +106,10 @@ std::vector<TerrainRun> sort_terrain(std::span<const std::uint32_t> indices, std
     }
     std::erase_if(runs, [](const TerrainRun& run) { return run.index_count == 0; });
     return runs;
+}
+
+float level_at(float distance_m, float pixels_per_radian, float texel_m) {
+    return std::round(std::log2(std::max(distance_m / (pixels_per_radian * texel_m), 1.0F)));
 }
 
 } // namespace alpenglow::sandbox

@@ -42,8 +42,8 @@ float shadow(vec3 at_m, vec3 n) {
 
 // Three sizes of the detail's tile; each fades out where it would be finer than a pixel, by its mip levels.
 vec3 detail_at(vec2 world_m) {
-    return texture(detail_image, world_m / 12.0).rgb + texture(detail_image, world_m / 180.0).rgb +
-           texture(detail_image, world_m / 3600.0).rgb - 1.0;
+    return texture(detail_image, world_m / 6.0).rgb + texture(detail_image, world_m / 60.0).rgb +
+           texture(detail_image, world_m / 700.0).rgb - 1.0;
 }
 
 void main() {

@@ -21,13 +21,11 @@ Ground ground_from_texel(vec4 texel) {
 // An albedo's colour, of luminance 1.
 vec3 chroma_of(vec3 albedo) { return albedo / max(dot(albedo, luminance_weights), 1e-3); }
 
-// The ground's grain: a tile of noise at one or two scales. The finer scale fades out with distance, `fine` 0 .. 1.
-// rg: slope, b: noise, both 0 .. 1 with mean 1/2. Steep ground is rocky: there the slopes count.
+// The ground's grain from a tile of noise: rg: slope, b: noise, both 0 .. 1 with mean 1/2. Steep ground is rocky: there the
+// slopes count. The normal is not made unit again, so that the light's mean over the ground stays what it was.
 Ground with_detail(Ground g, vec3 detail) {
     vec3 d = 2.0 * detail - 1.0;
-    float rocky = clamp((0.97 - g.normal.z) * 4.0, 0.12, 1.0);
-    g.normal.xy -= rocky * d.xy;
-    g.normal = normalize(g.normal);
+    g.normal.xy -= clamp(3.88 - 4.0 * g.normal.z, 0.12, 1.0) * d.xy;
     g.luminance *= max(1.0 + 0.6 * d.z, 0.0);
     return g;
 }

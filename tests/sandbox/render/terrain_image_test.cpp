@@ -75,6 +75,28 @@ TEST(SortTerrainTest, KeepsEveryTriangleAndNeverShowsAFinerTileTooLate) {
     }
 }
 
+TEST(SortTerrainTest, RunsKnowTheirDistance) {
+    const std::vector<std::uint32_t> indices = all_triangles();
+    std::vector<std::uint32_t> sorted(indices.size());
+    const glm::vec2 camera(-3000.0F, 500.0F);
+    for (const TerrainRun& run : sort_terrain(indices, kGrids, camera, sorted)) {
+        for (std::uint32_t i = run.first_index; i < run.first_index + run.index_count; i += 3) {
+            const glm::vec2 middle = (position(sorted[i]) + position(sorted[i + 1]) + position(sorted[i + 2])) / 3.0F;
+            const float ratio = glm::distance(middle, camera) / run.distance_m;
+            EXPECT_LT(std::max(ratio, 1.0F / ratio), std::sqrt(2.0F) * 1.001F);
+        }
+    }
+}
+
+TEST(LevelTest, TexelsAreAboutAPixelWide) {
+    EXPECT_EQ(level_at(0.0F, 600.0F, 16.0F), 0.0F);
+    EXPECT_EQ(level_at(9600.0F, 600.0F, 16.0F), 0.0F); // a pixel is 16 m wide there
+    for (float distance = 9600.0F; distance < 1e6F; distance *= 1.1F) {
+        const float texel = 16.0F * std::exp2(level_at(distance, 600.0F, 16.0F));
+        EXPECT_LT(std::abs(std::log2(texel / (distance / 600.0F))), 0.501F);
+    }
+}
+
 TEST(SortTerrainTest, FineTrianglesReadTheFineGrid) {
     const std::vector<std::uint32_t> indices = all_triangles();
     std::vector<std::uint32_t> sorted(indices.size());
