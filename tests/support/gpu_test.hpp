@@ -10,7 +10,7 @@
 
 #ifdef __SANITIZE_ADDRESS__
 // Drivers and layers leak, and are gone from memory when leaks are looked for, so that no suppression can name them.
-extern "C" __attribute__((used, weak)) inline const char* __asan_default_options() {
+extern "C" __attribute__((used)) inline const char* __asan_default_options() {
     return "detect_leaks=0";
 }
 #endif
