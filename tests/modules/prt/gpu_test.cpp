@@ -1,5 +1,5 @@
 // The vertex shader's path on a device: same table, same result as the CPU's.
-#include "../vulkan/gpu.hpp"
+#include "gpu_test.hpp"
 #include "helpers.hpp"
 
 #include <alpenglow/prt/evaluate.hpp>
