@@ -5,7 +5,7 @@
 
 #include <alpenglow/sh/image.hpp>
 
-#include "gauss_legendre.hpp"
+#include <alpenglow/sh/gauss_legendre.hpp>
 #include "image_check.hpp"
 #include "simd-inl.h"
 
@@ -380,7 +380,7 @@ Result<std::size_t> project(const EquirectMap& map, int order, std::span<glm::ve
         }
     }
     std::vector<double> nodes, weights;
-    detail::gauss_legendre(map.height >= 32 ? 5 : 24, nodes, weights);
+    gauss_legendre(map.height >= 32 ? 5 : 24, nodes, weights);
     std::array<double, 3 * max_coefficients> sums{};
     std::array<double, 6 * max_order> fourier{};
     std::size_t bad = 0;

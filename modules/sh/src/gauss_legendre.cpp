@@ -1,10 +1,10 @@
-#include "gauss_legendre.hpp"
+#include <alpenglow/sh/gauss_legendre.hpp>
 
 #include <alpenglow/core/constants.hpp>
 
 #include <cmath>
 
-namespace alpenglow::sh::detail {
+namespace alpenglow::sh {
 
 // Nodes and weights of Gauss-Legendre quadrature on [-1, 1]: Newton on P_n from the usual cosine guess.
 void gauss_legendre(int n, std::vector<double>& nodes, std::vector<double>& weights) {
@@ -33,4 +33,4 @@ void gauss_legendre(int n, std::vector<double>& nodes, std::vector<double>& weig
     }
 }
 
-} // namespace alpenglow::sh::detail
+} // namespace alpenglow::sh

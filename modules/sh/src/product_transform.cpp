@@ -1,6 +1,6 @@
 #include "product_transform.hpp"
 
-#include "gauss_legendre.hpp"
+#include <alpenglow/sh/gauss_legendre.hpp>
 
 #include <alpenglow/core/constants.hpp>
 

@@ -1,6 +1,6 @@
 #include <alpenglow/sh/project.hpp>
 
-#include "gauss_legendre.hpp"
+#include <alpenglow/sh/gauss_legendre.hpp>
 
 #include <alpenglow/core/constants.hpp>
 
@@ -37,7 +37,7 @@ SphereQuadrature sphere_quadrature(int degree) {
     assert(degree >= 0 && degree <= 4000);
     std::vector<double> z;
     std::vector<double> z_weights;
-    detail::gauss_legendre(degree / 2 + 1, z, z_weights);
+    gauss_legendre(degree / 2 + 1, z, z_weights);
     const int azimuths = degree + 1;
     SphereQuadrature q;
     q.directions.reserve(z.size() * static_cast<std::size_t>(azimuths));

@@ -1,6 +1,6 @@
 #include <alpenglow/sh/zonal.hpp>
 
-#include "gauss_legendre.hpp"
+#include <alpenglow/sh/gauss_legendre.hpp>
 
 #include <alpenglow/core/constants.hpp>
 
@@ -25,7 +25,7 @@ void integrate_cap(int order, double angle_rad, std::span<double> zonal, Falloff
     assert(angle_rad >= 0.0 && angle_rad <= pi);
     static const auto nodes = [] {
         std::pair<std::vector<double>, std::vector<double>> n;
-        detail::gauss_legendre(5, n.first, n.second);
+        gauss_legendre(5, n.first, n.second);
         return n;
     }();
     const double half = std::sin(0.5 * angle_rad);

@@ -1,6 +1,7 @@
 #include <alpenglow/sky/scattering_tables.hpp>
 
 #include "scattering_simd.hpp"
+#include "unit_quadrature.hpp"
 
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/sky/phase.hpp>
@@ -25,35 +26,6 @@ constexpr std::size_t sun_rows_per_height = 9;
 double mu_horizon(const ScatteringAtmosphere& air, double height_km) {
     const double ratio = air.ground_radius_km / (air.ground_radius_km + std::max(height_km, 0.0));
     return -std::sqrt(std::max((1.0 - ratio) * (1.0 + ratio), 0.0));
-}
-
-struct Nodes {
-    std::vector<double> x, w; // on 0 .. 1
-};
-Nodes gauss_legendre(int count) {
-    Nodes nodes;
-    for (int i = 0; i < count; ++i) {
-        double x = std::cos(pi * (i + 0.75) / (count + 0.5));
-        double derivative = 1.0;
-        for (int step = 0; step < 50; ++step) {
-            double p0 = 1.0;
-            double p1 = x;
-            for (int k = 2; k <= count; ++k) {
-                const double p2 = ((2.0 * k - 1.0) * x * p1 - (k - 1.0) * p0) / k;
-                p0 = p1;
-                p1 = p2;
-            }
-            derivative = count * (x * p1 - p0) / (x * x - 1.0);
-            const double dx = p1 / derivative;
-            x -= dx;
-            if (std::abs(dx) < 1e-15) {
-                break;
-            }
-        }
-        nodes.x.push_back(0.5 * (1.0 + x));
-        nodes.w.push_back(1.0 / ((1.0 - x * x) * derivative * derivative));
-    }
-    return nodes;
 }
 
 // A ray cut into steps, with the table rows that its steps read.
@@ -196,7 +168,7 @@ struct FieldRows {
 // Bands of Cornette-Shanks: the integral of phase times P_l over the sphere; nodes crowd towards the peak.
 std::array<double, 3> phase_bands(double g) {
     std::array<double, 3> out{};
-    const Nodes nodes = gauss_legendre(64);
+    const UnitNodes nodes = unit_quadrature(64);
     for (std::size_t i = 0; i < nodes.x.size(); ++i) {
         const double t = nodes.x[i];
         const double c = std::copysign(1.0, g) * (1.0 - 2.0 * t * t);
@@ -291,7 +263,7 @@ void ScatteringTables::build_field() {
 
     // Directions: half of the nodes above the horizon and half below it, azimuths over half the circle.
     const int half = resolution_.field_zeniths / 2;
-    const Nodes zeniths = gauss_legendre(half);
+    const UnitNodes zeniths = unit_quadrature(half);
     const int azimuths = resolution_.field_azimuths;
     std::vector<float> mu_s(stride);
     std::vector<float> sine_s(stride);
@@ -481,7 +453,7 @@ void ScatteringTables::add_higher_orders(const std::vector<float>& second, const
     const auto heights = static_cast<std::size_t>(resolution_.field_heights);
     const auto stride = static_cast<std::size_t>(resolution_.field_angles);
     const int half = resolution_.field_zeniths / 2;
-    const Nodes zeniths = gauss_legendre(half);
+    const UnitNodes zeniths = unit_quadrature(half);
     const std::array<double, 3> mie_bands = phase_bands(air_.mie_g);
     constexpr std::array<double, 3> rayleigh_bands{1.0, 0.0, 0.1};
     constexpr std::array<std::array<std::size_t, 3>, 3> function{{{0, 1, 3}, {0, 2, 4}, {0, 0, 5}}}; // [m][l]

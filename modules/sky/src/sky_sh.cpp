@@ -1,5 +1,7 @@
 #include <alpenglow/sky/sky_sh.hpp>
 
+#include "unit_quadrature.hpp"
+
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/sh/basis.hpp>
 
@@ -7,42 +9,11 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <vector>
 
 #include <glm/geometric.hpp>
 
 namespace alpenglow::sky {
 namespace {
-
-struct Node {
-    double x, weight;
-};
-
-// Gauss-Legendre on [0, 1] by Newton's method on the Legendre recurrence.
-std::vector<Node> gauss_legendre(int count) {
-    std::vector<Node> nodes(static_cast<std::size_t>(count));
-    for (int i = 0; i < count; ++i) {
-        double x = std::cos(pi * (i + 0.75) / (count + 0.5));
-        double derivative = 1.0;
-        for (int step = 0; step < 100; ++step) {
-            double p0 = 1.0;
-            double p1 = x;
-            for (int k = 2; k <= count; ++k) {
-                const double p2 = ((2.0 * k - 1.0) * x * p1 - (k - 1.0) * p0) / k;
-                p0 = p1;
-                p1 = p2;
-            }
-            derivative = count * (x * p1 - p0) / (x * x - 1.0);
-            const double dx = p1 / derivative;
-            x -= dx;
-            if (std::abs(dx) < 1e-16) {
-                break;
-            }
-        }
-        nodes[static_cast<std::size_t>(i)] = {0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * derivative * derivative)};
-    }
-    return nodes;
-}
 
 template <class Real>
 void rotate_symmetric(const glm::vec<3, Real>& to_sun, int bands, std::span<glm::vec<3, Real>> c) {
@@ -75,8 +46,8 @@ void project_symmetric_sky(const std::function<glm::dvec3(const glm::dvec3&)>& r
     assert(bands >= 1 && bands <= max_sky_bands && out.size() >= static_cast<std::size_t>(bands * bands));
     assert(quadrature.elevations >= 1 && quadrature.azimuths >= 1);
     std::fill_n(out.begin(), bands * bands, glm::dvec3(0.0));
-    const std::vector<Node> nodes = gauss_legendre(quadrature.elevations);
-    const std::vector<Node> azimuths = gauss_legendre(quadrature.azimuths);
+    const UnitNodes nodes = unit_quadrature(quadrature.elevations);
+    const UnitNodes azimuths = unit_quadrature(quadrature.azimuths);
     std::array<double, sh::max_coefficients> basis{};
     // Split at the sun's elevation, where the radiance has a kink; quadratic spacing towards the split and the horizon,
     // where e^(B / cos theta) turns sharply.
@@ -86,18 +57,18 @@ void project_symmetric_sky(const std::function<glm::dvec3(const glm::dvec3&)>& r
         if (high - low < 1e-12) {
             continue;
         }
-        for (const Node& node : nodes) {
+        for (std::size_t n = 0; n < nodes.x.size(); ++n) {
             // smoothstep clusters the nodes at both ends: elevation = low + (high - low) t^2 (3 - 2 t)
-            const double t = node.x;
+            const double t = nodes.x[n];
             const double elevation = low + (high - low) * t * t * (3.0 - 2.0 * t);
             const double z = std::sin(elevation);
             const double r = std::cos(elevation);
-            const double ring = node.weight * 6.0 * t * (1.0 - t) * (high - low) * r;
-            for (const Node& across : azimuths) {
+            const double ring = nodes.w[n] * 6.0 * t * (1.0 - t) * (high - low) * r;
+            for (std::size_t k = 0; k < azimuths.x.size(); ++k) {
                 // Cubic clustering towards the sun's meridian.
-                const double s = across.x;
+                const double s = azimuths.x[k];
                 const double azimuth = pi * s * s * s;
-                const double weight = 2.0 * ring * pi * 3.0 * s * s * across.weight;
+                const double weight = 2.0 * ring * pi * 3.0 * s * s * azimuths.w[k];
                 const glm::dvec3 direction(r * std::cos(azimuth), r * std::sin(azimuth), z);
                 const glm::dvec3 value = weight * radiance(direction);
                 sh::evaluate_basis(bands, direction, basis);
