@@ -6,18 +6,26 @@
 #include <alpenglow/sky/aerial_perspective.hpp>
 #include <alpenglow/sky/sky_state.hpp>
 #include <alpenglow/systems/ephemeris.hpp>
-#include <alpenglow/systems/probes.hpp>
 #include <alpenglow/systems/sky.hpp>
 #include <alpenglow/systems/sky_light.hpp>
 
 #include "sandbox/app/exposure.hpp"
+#include "sandbox/app/parts.hpp"
 #include "sandbox/render/sky_dome.hpp"
 #include "sandbox/world/terrain_mesh.hpp"
 
 namespace alpenglow::sandbox {
 
 Game::Game(const Scene& scene, std::unique_ptr<World> world)
-    : world_(std::move(world)), sky_(registry_.create()), dome_(SkyDome::vertices) {
+    : world_(std::move(world)), sky_(registry_.create()), dome_(SkyDome::vertices),
+      stage_{.registry = registry_,
+             .sky = sky_,
+             .world = *world_,
+             .camera = camera,
+             .drawn = frame_,
+             .reports = reports_,
+             .light = {},
+             .frame = {}} {
     registry_.emplace<WorldClock>(sky_);
     registry_.emplace<Observer>(sky_);
     registry_.emplace<CelestialState>(sky_);
@@ -29,22 +37,28 @@ Game::Game(const Scene& scene, std::unique_ptr<World> world)
 
 void Game::update(double dt_s, int width, int height) {
     clock().utc_j2000_s += dt_s * clock().rate;
-    const Frame frame{frame_index_++, dt_s};
+    stage_.frame = {frame_index_++, dt_s};
+    stage_.world_dt_s = clock().rate > 0.0 ? dt_s : 0.0;
+    stage_.width = width;
+    stage_.height = height;
+    reports_.clear();
+    for (const std::unique_ptr<Part>& part : parts_) {
+        part->begin(stage_);
+    }
     frame_.view = camera.view();
     frame_.projection = camera.projection(static_cast<float>(width) / static_cast<float>(height));
     frame_.camera_m = camera.position_m;
 
-    reports_.clear();
-    reports_.push_back(update_ephemeris(registry_, frame));
-    reports_.push_back(update_sky(registry_, frame));
-    reports_.push_back(update_sky_light(registry_, frame));
+    reports_.push_back(update_ephemeris(registry_, stage_.frame));
+    reports_.push_back(update_sky(registry_, stage_.frame));
+    reports_.push_back(update_sky_light(registry_, stage_.frame));
     reports_.push_back(update_dome());
     reports_.push_back(update_terrain(height));
     reports_.push_back(update_shadows());
-    if (probes_) {
-        update_probe_scene(frame);
-    }
     update_frame(dt_s);
+    for (const std::unique_ptr<Part>& part : parts_) {
+        part->update(stage_);
+    }
 }
 
 void Game::enter(const Scene& scene) {
@@ -57,13 +71,9 @@ void Game::enter(const Scene& scene) {
     camera = scene_camera(scene);
     exposure_bias_ev = scene.exposure_bias_ev;
     exposed_ = false;
-    if (probes_) {
-        probe_revision_ = probes_->next_revision();
-        probes_.reset();
-    }
-    if (scene.probes) {
-        probes_ = std::make_unique<ProbeScene>(registry_, *world_, *scene.probes, probe_revision_);
-    }
+    parts_.clear();
+    frame_.probes = nullptr;
+    parts_ = make_parts(stage_, scene);
 }
 
 // The light of the scene and the dome's vertices, where the sky has changed.
@@ -71,14 +81,15 @@ SystemReport Game::update_dome() {
     SystemReport report{.system = "sky_dome", .considered = 1};
     const double start = thread_cpu_seconds();
     const SkyLightSh& sh = registry_.get<SkyLightSh>(sky_);
-    if (sh.revision == light_revision_) {
+    if (sh.revision == sky_light_revision_) {
         report.skipped = 1;
         report.cpu_ms = (thread_cpu_seconds() - start) * 1e3;
         return report;
     }
-    light_revision_ = sh.revision;
-    light_ = scene_light(celestial(), sky(), sh, atmosphere());
-    place_sky_vertices(light_.to_sun, dome_);
+    sky_light_revision_ = sh.revision;
+    ++stage_.light_revision;
+    stage_.light = scene_light(celestial(), sky(), sh, atmosphere());
+    place_sky_vertices(stage_.light.to_sun, dome_);
     const sky::PreethamSky<float> model = sky::preetham_of(sky());
     for (SkyVertex& vertex : dome_) {
         vertex.radiance_cd_m2 = sky::sky_radiance(sky(), model, vertex.direction);
@@ -101,39 +112,26 @@ SystemReport Game::update_shadows() {
     // Whichever gives more light throws the shadows.
     const bool by_sun = sky().sun_illuminance_lux.g >= sky().moon_illuminance_lux.g;
     ShadowInput input;
-    input.to_light = by_sun ? light_.to_sun : light_.to_moon;
+    input.to_light = by_sun ? stage_.light.to_sun : stage_.light.to_moon;
     input.angular_radius_rad = by_sun ? celestial().sun_angular_radius_rad : celestial().moon_angular_radius_rad;
     input.camera_m = camera.position_m;
     return world_->shadows->update(input, *world_->lod);
 }
 
-// Things move as long as time does, at the pace of real time.
-void Game::update_probe_scene(const Frame& frame) {
-    const YardLight light{.to_sun = light_.to_sun,
-                          .to_moon = light_.to_moon,
-                          .sun_lux = sky().sun_illuminance_lux,
-                          .moon_lux = sky().moon_illuminance_lux,
-                          .irradiance_matrix = light_.irradiance_matrix};
-    probes_->prepare(clock().rate > 0.0 ? frame.dt_s : 0.0, light, frame_.projection * frame_.view);
-    reports_.push_back(update_probes(registry_, frame));
-    reports_.push_back(update_probe_receivers(registry_, frame));
-    reports_.push_back(probes_->finish(light, light_revision_));
-}
-
 void Game::update_frame(double dt_s) {
     frame_.camera_horizon = terrain_horizon(world_->terrain, world_->data.terrain, glm::vec2(camera.position_m));
-    const float exposure = automatic_exposure(light_.average_luminance_cd_m2, exposure_bias_ev);
+    const float exposure = automatic_exposure(stage_.light.average_luminance_cd_m2, exposure_bias_ev);
     frame_.exposure = exposed_ ? adapt_exposure(frame_.exposure, exposure, static_cast<float>(dt_s)) : exposure;
     exposed_ = true;
 
-    frame_.to_sun = light_.to_sun;
+    frame_.to_sun = stage_.light.to_sun;
     frame_.sun_illuminance_lux = sky().sun_illuminance_lux;
     frame_.sun_angular_radius_rad = celestial().sun_angular_radius_rad;
-    frame_.to_moon = light_.to_moon;
+    frame_.to_moon = stage_.light.to_moon;
     frame_.moon_illuminance_lux = sky().moon_illuminance_lux;
     frame_.moon_angular_radius_rad = celestial().moon_angular_radius_rad;
-    frame_.irradiance_matrix = light_.irradiance_matrix;
-    frame_.air_radiance_cd_m2 = light_.horizon_radiance_cd_m2;
+    frame_.irradiance_matrix = stage_.light.irradiance_matrix;
+    frame_.air_radiance_cd_m2 = stage_.light.horizon_radiance_cd_m2;
     const sky::Air air = sky::make_air(atmosphere().turbidity);
     frame_.rayleigh_per_m = air.rayleigh_per_m;
     frame_.mie_per_m = air.mie_per_m;

@@ -13,8 +13,7 @@
 #include <alpenglow/ecs/registry.hpp>
 #include <alpenglow/systems/frame.hpp>
 
-#include "sandbox/app/lighting.hpp"
-#include "sandbox/app/probe_scene.hpp"
+#include "sandbox/app/part.hpp"
 #include "sandbox/scene/scene.hpp"
 #include "sandbox/world/camera.hpp"
 #include "sandbox/world/render_data.hpp"
@@ -34,8 +33,6 @@ public:
 
     [[nodiscard]] const World& world() const { return *world_; }
     [[nodiscard]] const FrameData& frame() const { return frame_; }
-    // Of a scene with probes, while they are in view; else null.
-    [[nodiscard]] const ProbeRenderData* probe_data() const { return probes_ ? probes_->render_data() : nullptr; }
     // What each system did in the last update, in order.
     [[nodiscard]] std::span<const SystemReport> reports() const { return reports_; }
 
@@ -45,7 +42,17 @@ public:
     [[nodiscard]] WorldClock& clock() { return registry_.get<WorldClock>(sky_); }
     [[nodiscard]] Observer& observer() { return registry_.get<Observer>(sky_); }
     [[nodiscard]] Atmosphere& atmosphere() { return registry_.get<Atmosphere>(sky_); }
-    [[nodiscard]] ProbeScene* probes() { return probes_.get(); } // null in scenes without
+    [[nodiscard]] std::span<const std::unique_ptr<Part>> parts() const { return parts_; }
+    // The scene's part of that type; null where it has none.
+    template <class P>
+    [[nodiscard]] P* part() const {
+        for (const std::unique_ptr<Part>& part : parts_) {
+            if (P* found = dynamic_cast<P*>(part.get())) {
+                return found;
+            }
+        }
+        return nullptr;
+    }
     [[nodiscard]] const CelestialState& celestial() const { return registry_.get<CelestialState>(sky_); }
     [[nodiscard]] const SkyState& sky() const { return registry_.get<SkyState>(sky_); }
 
@@ -53,21 +60,19 @@ private:
     SystemReport update_dome();
     SystemReport update_terrain(int height);
     SystemReport update_shadows();
-    void update_probe_scene(const Frame& frame);
     void update_frame(double dt_s);
 
     std::unique_ptr<World> world_;
     BasicRegistry registry_;
     BasicRegistry::entity_type sky_;
-    SceneLight light_;
-    std::uint32_t light_revision_ = 0; // of SkyLightSh
-    std::unique_ptr<ProbeScene> probes_;
-    std::uint32_t probe_revision_ = 0; // where the next scene's probes go on, for whoever draws them
+    std::uint32_t sky_light_revision_ = 0; // of SkyLightSh
     std::vector<SkyVertex> dome_;
     FrameData frame_;
     std::vector<SystemReport> reports_;
     std::uint64_t frame_index_ = 0;
     bool exposed_ = false; // the first frame takes its exposure at once
+    Stage stage_;
+    std::vector<std::unique_ptr<Part>> parts_; // last: they leave before what they stand on
 };
 
 } // namespace alpenglow::sandbox

@@ -48,7 +48,8 @@ void draw_time(Game& game, double shown_utc_j2000_s) {
 
 void draw_place_and_air(Game& game) {
     Observer& observer = game.observer();
-    float place[2] = {static_cast<float>(observer.latitude_rad / degree), static_cast<float>(observer.longitude_rad / degree)};
+    float place[2] = {static_cast<float>(observer.latitude_rad / degree),
+                      static_cast<float>(observer.longitude_rad / degree)};
     if (ImGui::DragFloat2("lat, lon", place, 0.1F, -180.0F, 180.0F, "%.2f")) {
         observer.latitude_rad = std::clamp(static_cast<double>(place[0]), -90.0, 90.0) * degree;
         observer.longitude_rad = std::clamp(static_cast<double>(place[1]), -180.0, 180.0) * degree;
@@ -82,29 +83,41 @@ void draw_reports(const std::vector<SystemReport>& reports) {
     ImGui::EndTable();
 }
 
-void draw_probes(ProbeScene& scene, const ProbeNumbers& numbers) {
-    ImGui::Separator();
-    const auto way = static_cast<int>(scene.settings.deringing);
-    int chosen = way;
-    ImGui::TextUnformatted("deringing");
-    const char* const names[] = {"none", "paper", "exact"}; // as Deringing
-    for (int i = 0; i < 3; ++i) {
-        ImGui::SameLine();
-        if (ImGui::RadioButton(names[i], way == i)) {
-            chosen = i;
+// Lines of the scene's parts, in ImGui.
+class ImGuiPanel final : public PanelWriter {
+public:
+    explicit ImGuiPanel(std::vector<std::string>& texts) : texts_(texts), kept_(texts.size()) {}
+
+    void text(const std::string& line) override {
+        if (next_ >= kept_) {
+            texts_.push_back(line);
         }
+        ImGui::TextUnformatted(texts_[next_++].c_str());
     }
-    if (chosen != way) {
-        scene.settings.deringing = static_cast<Deringing>(chosen);
+    bool choice(const char* label, std::span<const char* const> names, int& chosen) override {
+        ImGui::TextUnformatted(label);
+        const int before = chosen;
+        for (int i = 0; i < static_cast<int>(names.size()); ++i) {
+            ImGui::SameLine();
+            ImGui::PushID(label);
+            if (ImGui::RadioButton(names[static_cast<std::size_t>(i)], before == i)) {
+                chosen = i;
+            }
+            ImGui::PopID();
+        }
+        return chosen != before;
     }
-    ImGui::SameLine();
-    ImGui::Checkbox("show", &scene.settings.show);
-    ImGui::Text("window     sun %.3f   sky and ground %.3f", static_cast<double>(numbers.direct_window),
-                static_cast<double>(numbers.least_window));
-    ImGui::Text("min / mean %+.4f   of %u probes", static_cast<double>(numbers.least_irradiance), numbers.probes);
-    ImGui::Text("contrast   %.3f kept, least %.3f", static_cast<double>(numbers.contrast),
-                static_cast<double>(numbers.least_contrast));
-}
+    bool toggle(const char* label, bool& on) override { return ImGui::Checkbox(label, &on); }
+    bool slider(const char* label, float& value, float low, float high, bool logarithmic) override {
+        return ImGui::SliderFloat(label, &value, low, high, "%.3g", logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+    }
+    bool button(const char* label) override { return ImGui::Button(label); }
+
+private:
+    std::vector<std::string>& texts_;
+    std::size_t kept_; // texts from an earlier frame
+    std::size_t next_ = 0;
+};
 
 void draw_help() {
     ImGui::SetNextWindowPos(ImVec2(360.0F, 20.0F), ImGuiCond_FirstUseEver);
@@ -159,8 +172,12 @@ void draw_panel(Game& game, PanelState& state) {
         }
         draw_time(game, state.utc_j2000_s);
         draw_place_and_air(game);
-        if (game.probes() != nullptr) {
-            draw_probes(*game.probes(), state.probes);
+        if (!game.parts().empty()) {
+            ImGui::Separator();
+            ImGuiPanel writer(state.texts);
+            for (const std::unique_ptr<Part>& part : game.parts()) {
+                part->draw_panel(writer);
+            }
         }
         draw_reports(state.reports);
         if (!state.message.empty()) {

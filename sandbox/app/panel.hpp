@@ -15,7 +15,7 @@ struct PanelState {
     std::vector<SystemReport> reports; // of a recent frame: figures that change a few times a second can be read, and
                                        // the panel's picture is kept in between
     double utc_j2000_s = 0.0;          // likewise
-    ProbeNumbers probes;               // likewise
+    std::vector<std::string> texts;    // likewise: the parts' lines; emptied to be written anew
     std::string device;
     std::string message;              // a shader's error, a screenshot's path; shown until replaced
     std::vector<std::string> scenes;  // names to choose from

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <span>
 
@@ -14,6 +15,7 @@
 #include <alpenglow/probes/grid.hpp>
 #include <alpenglow/sh/dering.hpp>
 #include <alpenglow/sh/irradiance.hpp>
+#include <alpenglow/systems/probes.hpp>
 
 #include "sandbox/app/probe_display.hpp"
 
@@ -78,11 +80,8 @@ double band_1_norm(const probes::ProbeCoefficients& c) {
 
 } // namespace
 
-ProbeScene::ProbeScene(BasicRegistry& registry, const World& world, const ProbeSettings& wanted,
-                       std::uint32_t first_revision)
+ProbeScene::ProbeScene(BasicRegistry& registry, const World& world, const ProbeSettings& wanted)
     : settings(wanted), registry_(registry), yard_(world), grid_(registry.create()) {
-    drawn_.mesh_revision = first_revision;
-    drawn_.spheres_revision = first_revision;
     place_grid();
     for (std::size_t i = 0; i < paths.size(); ++i) {
         balls_.push_back(registry_.create());
@@ -112,8 +111,38 @@ ProbeScene::~ProbeScene() {
     registry_.destroy(grid_);
 }
 
-std::uint32_t ProbeScene::next_revision() const {
-    return std::max(drawn_.mesh_revision, drawn_.spheres_revision) + 1;
+// Things move as long as time does, at the pace of real time.
+void ProbeScene::update(Stage& stage) {
+    const SkyState& sky = registry_.get<SkyState>(stage.sky);
+    const YardLight light{.to_sun = stage.light.to_sun,
+                          .to_moon = stage.light.to_moon,
+                          .sun_lux = sky.sun_illuminance_lux,
+                          .moon_lux = sky.moon_illuminance_lux,
+                          .irradiance_matrix = stage.light.irradiance_matrix};
+    prepare(stage.world_dt_s, light, stage.drawn.projection * stage.drawn.view);
+    stage.reports.push_back(update_probes(registry_, stage.frame));
+    stage.reports.push_back(update_probe_receivers(registry_, stage.frame));
+    stage.reports.push_back(finish(light, stage.light_revision));
+    stage.drawn.probes = render_data();
+}
+
+void ProbeScene::draw_panel(PanelWriter& panel) {
+    constexpr std::array names{"none", "paper", "exact"}; // as Deringing
+    int way = static_cast<int>(settings.deringing);
+    if (panel.choice("deringing", names, way)) {
+        settings.deringing = static_cast<Deringing>(way);
+    }
+    panel.toggle("show probes", settings.show);
+    std::array<char, 96> line{};
+    const auto write = [&](const char* format, auto... values) {
+        std::snprintf(line.data(), line.size(), format, values...);
+        panel.text(line.data());
+    };
+    write("window     sun %.3f   sky and ground %.3f", static_cast<double>(numbers_.direct_window),
+          static_cast<double>(numbers_.least_window));
+    write("min / mean %+.4f   of %u probes", static_cast<double>(numbers_.least_irradiance), numbers_.probes);
+    write("contrast   %.3f kept, least %.3f", static_cast<double>(numbers_.contrast),
+          static_cast<double>(numbers_.least_contrast));
 }
 
 // What stays: where probes stand, which are inside walls, and what walls and mountains hide of the sky.
@@ -284,7 +313,7 @@ bool ProbeScene::draw_mesh(const YardLight& light, std::uint32_t light_revision)
     }
     drawn_.vertices = vertices_;
     drawn_.indices = indices_;
-    ++drawn_.mesh_revision;
+    drawn_.mesh_revision = next_revision();
     return true;
 }
 
@@ -304,7 +333,7 @@ bool ProbeScene::draw_balls() {
     }
     if (changed) {
         drawn_.spheres = spheres_;
-        ++drawn_.spheres_revision;
+        drawn_.spheres_revision = next_revision();
     }
     return changed;
 }

@@ -11,6 +11,7 @@
 #include <alpenglow/core/system_report.hpp>
 #include <alpenglow/ecs/registry.hpp>
 
+#include "sandbox/app/part.hpp"
 #include "sandbox/app/yard.hpp"
 #include "sandbox/scene/scene.hpp"
 #include "sandbox/world/probe_render_data.hpp"
@@ -27,33 +28,33 @@ struct ProbeNumbers {
     float least_contrast = 1.0F;   // of the irradiance without its mean, all channels together
 };
 
-class ProbeScene {
+class ProbeScene final : public Part {
 public:
-    // Makes its entities in the registry, which outlives it. Revisions of what is drawn start at `first_revision`.
-    ProbeScene(BasicRegistry& registry, const World& world, const ProbeSettings& settings,
-               std::uint32_t first_revision);
-    ~ProbeScene();
+    // Makes its entities in the registry, which outlives it.
+    ProbeScene(BasicRegistry& registry, const World& world, const ProbeSettings& settings);
+    ~ProbeScene() override;
     ProbeScene(const ProbeScene&) = delete;
     ProbeScene& operator=(const ProbeScene&) = delete;
 
     // What the player may turn.
     ProbeSettings settings;
 
-    // Ahead of update_probes(): moves the balls by dt_s, follows sun and moon, and says what is in view.
-    void prepare(double dt_s, const YardLight& light, const glm::mat4& clip_from_world);
-    // After update_probe_receivers(): what is drawn, and the numbers. `light_revision` says whether the light changed.
-    // Items of the report: the mesh and the balls.
-    SystemReport finish(const YardLight& light, std::uint32_t light_revision);
+    void update(Stage& stage) override;
+    void draw_panel(PanelWriter& panel) override;
 
     // Null where the yard is out of view.
     [[nodiscard]] const ProbeRenderData* render_data() const { return visible_ ? &drawn_ : nullptr; }
     [[nodiscard]] const ProbeNumbers& numbers() const { return numbers_; }
     [[nodiscard]] const ProbeGrid& grid() const { return registry_.get<ProbeGrid>(grid_); }
     [[nodiscard]] const ProbeGridSh& grid_light() const { return registry_.get<ProbeGridSh>(grid_); }
-    [[nodiscard]] std::uint32_t next_revision() const;
 
 private:
     using Entity = BasicRegistry::entity_type;
+    // Ahead of update_probes(): moves the balls by dt_s, follows sun and moon, and says what is in view.
+    void prepare(double dt_s, const YardLight& light, const glm::mat4& clip_from_world);
+    // After update_probe_receivers(): what is drawn, and the numbers. `light_revision` says whether the light changed.
+    // Items of the report: the mesh and the balls.
+    SystemReport finish(const YardLight& light, std::uint32_t light_revision);
     void place_grid();
     void trace_lights(const YardLight& light);
     void move_balls();

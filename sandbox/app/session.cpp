@@ -124,7 +124,7 @@ ImDrawData* Session::draw_hud() {
         frames_until_refresh_ = panel_refresh_frames;
         panel_.reports.assign(game->reports().begin(), game->reports().end());
         panel_.utc_j2000_s = game->clock().utc_j2000_s;
-        panel_.probes = game->probes() != nullptr ? game->probes()->numbers() : ProbeNumbers{};
+        panel_.texts.clear();
     }
     if (window_ != nullptr) {
         ImGui_ImplGlfw_NewFrame();
@@ -145,8 +145,7 @@ Status Session::draw(double dt_s) {
     const double wall = wall_seconds();
     game->update(dt_s, static_cast<int>(extent.width), static_cast<int>(extent.height));
     const double draw_cpu = thread_cpu_seconds();
-    const Result<DrawStats> stats = 
-        renderer->draw(game->frame(), swapchain_ ? &*swapchain_ : nullptr, draw_hud(), game->probe_data());
+    const Result<DrawStats> stats = renderer->draw(game->frame(), swapchain_ ? &*swapchain_ : nullptr, draw_hud());
     if (!stats) {
         return stats.error();
     }
@@ -233,7 +232,12 @@ Status Session::act(const Input& input, double dt_s) {
             panel_.scene_chosen = true;
             break;
         }
-        default: break;
+        default:
+            for (const std::unique_ptr<Part>& part : game->parts()) {
+                if (part->press(key)) { // GLFW's letters and digits are ASCII capitals
+                    break;
+                }
+            }
         }
     }
     if (std::exchange(panel_.scene_chosen, false)) {

@@ -5,15 +5,13 @@
 #include <span>
 
 #include "sandbox/render/gpu_data.hpp"
-#include "sandbox/world/probe_render_data.hpp"
+#include "sandbox/render/pipelines.hpp"
 
 #include <alpenglow_shaders/color.frag.hpp>
 #include <alpenglow_shaders/color_hdr.frag.hpp>
-#include <alpenglow_shaders/colored.vert.hpp>
 #include <alpenglow_shaders/disc.vert.hpp>
 #include <alpenglow_shaders/hud.frag.hpp>
 #include <alpenglow_shaders/hud.vert.hpp>
-#include <alpenglow_shaders/lit_sphere.vert.hpp>
 #include <alpenglow_shaders/moon.frag.hpp>
 #include <alpenglow_shaders/object_lean.vert.hpp>
 #include <alpenglow_shaders/resolve.frag.hpp>
@@ -55,35 +53,6 @@ constexpr std::array<VkVertexInputAttributeDescription, 3> kShadowAttributes{
      {1, 0, VK_FORMAT_R32_SFLOAT, offsetof(ShadowVertex, shade)},
      {2, 0, VK_FORMAT_R32G32B32A32_UINT, offsetof(ShadowVertex, horizon)}}};
 
-constexpr std::array<VkVertexInputBindingDescription, 1> kColoredBindings{
-    {{0, sizeof(ColorVertex), VK_VERTEX_INPUT_RATE_VERTEX}}};
-constexpr std::array<VkVertexInputAttributeDescription, 2> kColoredAttributes{
-    {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ColorVertex, position_m)},
-     {1, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(ColorVertex, light)}}};
-constexpr std::array<VkVertexInputBindingDescription, 2> kSphereBindings{
-    {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(LitSphere), VK_VERTEX_INPUT_RATE_INSTANCE}}};
-static_assert(sizeof(LitSphere) == 32 * sizeof(float)); // centre and radius, 27 coefficients, padding
-constexpr VkVertexInputAttributeDescription sphere_line(std::uint32_t i) {
-    return {1 + i, 1, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * i};
-}
-constexpr std::array<VkVertexInputAttributeDescription, 9> kSphereAttributes{{{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0},
-                                                                              sphere_line(0),
-                                                                              sphere_line(1),
-                                                                              sphere_line(2),
-                                                                              sphere_line(3),
-                                                                              sphere_line(4),
-                                                                              sphere_line(5),
-                                                                              sphere_line(6),
-                                                                              sphere_line(7)}};
-
-// One shader of a pipeline.
-vulkan::ShaderSource vertex(std::span<const std::uint32_t> spirv, const char* file) {
-    return {VK_SHADER_STAGE_VERTEX_BIT, spirv, file};
-}
-vulkan::ShaderSource fragment(std::span<const std::uint32_t> spirv, const char* file) {
-    return {VK_SHADER_STAGE_FRAGMENT_BIT, spirv, file};
-}
-
 // A pipeline to be.
 struct Recipe {
     Passes::Name name;
@@ -91,21 +60,6 @@ struct Recipe {
     std::vector<std::uint32_t> constants;
     vulkan::GraphicsPipelineOptions options;
 };
-
-Result<vulkan::ReloadablePipeline> cook(const vulkan::Device& device, Recipe recipe,
-                                        const std::filesystem::path& shader_directory) {
-    for (vulkan::ShaderSource& source : recipe.sources) {
-        source.file = shader_directory.empty() ? std::filesystem::path() : shader_directory / source.file;
-    }
-    return vulkan::ReloadablePipeline::create(
-        device, std::move(recipe.sources), {shader_directory},
-        [&device, options = recipe.options,
-         constants = std::move(recipe.constants)](std::span<const vulkan::ShaderStage> stages) mutable {
-            options.stages = stages;
-            options.constants = constants;
-            return vulkan::create_graphics_pipeline(device, options);
-        });
-}
 
 // Descriptor set layouts and pipeline layouts.
 Status create_layouts(const vulkan::Device& device, Quality quality, Passes& passes) {
@@ -211,72 +165,53 @@ std::vector<Recipe> list_pipelines(Quality quality, const Passes& passes) {
     hud.blend = vulkan::Blend::over;
 
     const std::uint32_t hdr = full ? 1 : 0;
-    const vulkan::ShaderSource disc_source = vertex(disc_vert, "passes/disc.vert");
+    const vulkan::ShaderSource disc_source = vertex_shader(disc_vert, "passes/disc.vert");
     std::vector<Recipe> recipes{
         {Passes::sky,
-         {vertex(sky_vert, "passes/sky.vert"),
-          full ? fragment(color_hdr_frag, "passes/color_hdr.frag") : fragment(color_frag, "passes/color.frag")},
+         {vertex_shader(sky_vert, "passes/sky.vert"),
+          full ? fragment_shader(color_hdr_frag, "passes/color_hdr.frag") : fragment_shader(color_frag, "passes/color.frag")},
          {hdr},
          sky},
-        {Passes::sun, {disc_source, fragment(sun_frag, "passes/sun.frag")}, {hdr}, sun},
-        {Passes::moon, {disc_source, fragment(moon_frag, "passes/moon.frag")}, {hdr}, moon},
-        {Passes::hud_picture, {vertex(hud_vert, "passes/hud.vert"), fragment(hud_frag, "passes/hud.frag")}, {}, hud},
+        {Passes::sun, {disc_source, fragment_shader(sun_frag, "passes/sun.frag")}, {hdr}, sun},
+        {Passes::moon, {disc_source, fragment_shader(moon_frag, "passes/moon.frag")}, {hdr}, moon},
+        {Passes::hud_picture, {vertex_shader(hud_vert, "passes/hud.vert"), fragment_shader(hud_frag, "passes/hud.frag")}, {}, hud},
     };
     if (full) {
-        const std::vector<vulkan::ShaderSource> sources{vertex(surface_full_vert, "passes/surface_full.vert"),
-                                                        fragment(surface_full_frag, "passes/surface_full.frag")};
+        const std::vector<vulkan::ShaderSource> sources{vertex_shader(surface_full_vert, "passes/surface_full.vert"),
+                                                        fragment_shader(surface_full_frag, "passes/surface_full.frag")};
         recipes.push_back({Passes::terrain, sources, {0}, surface});
         recipes.push_back({Passes::terrain_far, sources, {0}, surface});
         recipes.push_back({Passes::objects, sources, {1}, surface});
-        recipes.push_back({Passes::shadow_map, {vertex(shadow_map_vert, "passes/shadow_map.vert")}, {}, shadow_map});
+        recipes.push_back({Passes::shadow_map, {vertex_shader(shadow_map_vert, "passes/shadow_map.vert")}, {}, shadow_map});
         recipes.push_back({Passes::resolve,
-                           {vertex(resolve_vert, "passes/resolve.vert"), fragment(resolve_frag, "passes/resolve.frag")},
+                           {vertex_shader(resolve_vert, "passes/resolve.vert"), fragment_shader(resolve_frag, "passes/resolve.frag")},
                            {},
                            resolve});
     } else {
-        const std::vector<vulkan::ShaderSource> terrain{vertex(terrain_lean_vert, "passes/terrain_lean.vert"),
-                                                        fragment(terrain_lean_frag, "passes/terrain_lean.frag")};
+        const std::vector<vulkan::ShaderSource> terrain{vertex_shader(terrain_lean_vert, "passes/terrain_lean.vert"),
+                                                        fragment_shader(terrain_lean_frag, "passes/terrain_lean.frag")};
         recipes.push_back({Passes::terrain, terrain, {0, 1}, surface});
         recipes.push_back({Passes::terrain_far, terrain, {0, 0}, surface});
         recipes.push_back(
             {Passes::objects,
-             {vertex(object_lean_vert, "passes/object_lean.vert"), fragment(color_frag, "passes/color.frag")},
+             {vertex_shader(object_lean_vert, "passes/object_lean.vert"), fragment_shader(color_frag, "passes/color.frag")},
              {1},
              surface});
         recipes.push_back({Passes::decals,
-                           {vertex(shadow_decal_vert, "passes/shadow_decal.vert"),
-                            fragment(shadow_decal_frag, "passes/shadow_decal.frag")},
+                           {vertex_shader(shadow_decal_vert, "passes/shadow_decal.vert"),
+                            fragment_shader(shadow_decal_frag, "passes/shadow_decal.frag")},
                            {},
                            decals});
     }
     return recipes;
 }
 
-std::vector<Recipe> list_probe_pipelines(Quality quality, const Passes& passes) {
-    const bool full = quality == Quality::full;
-    vulkan::GraphicsPipelineOptions colored{};
-    colored.bindings = kColoredBindings;
-    colored.attributes = kColoredAttributes;
-    colored.layout = passes.scene_layout.get();
-    colored.pass = passes.scene.get();
-    colored.cull = VK_CULL_MODE_BACK_BIT;
-    colored.depth_test = true;
-    colored.depth_write = true;
-    vulkan::GraphicsPipelineOptions spheres = colored;
-    spheres.bindings = kSphereBindings;
-    spheres.attributes = kSphereAttributes;
-    const vulkan::ShaderSource color =
-        full ? fragment(color_hdr_frag, "passes/color_hdr.frag") : fragment(color_frag, "passes/color.frag");
-    const std::uint32_t hdr = full ? 1 : 0;
-    return {{Passes::colored, {vertex(colored_vert, "passes/colored.vert"), color}, {hdr}, colored},
-            {Passes::lit_spheres, {vertex(lit_sphere_vert, "passes/lit_sphere.vert"), color}, {hdr}, spheres}};
-}
-
 Status cook_all(const vulkan::Device& device, std::vector<Recipe> recipes,
                 const std::filesystem::path& shader_directory, Passes& passes) {
     for (Recipe& recipe : recipes) {
         const Passes::Name name = recipe.name;
-        Result<vulkan::ReloadablePipeline> pipeline = cook(device, std::move(recipe), shader_directory);
+        Result<vulkan::ReloadablePipeline> pipeline =
+            make_pipeline(device, std::move(recipe.sources), std::move(recipe.constants), recipe.options, shader_directory);
         if (!pipeline) {
             return pipeline.error();
         }
@@ -300,11 +235,6 @@ Result<Passes> create_passes(const vulkan::Device& device, Quality quality,
         return cooked.error();
     }
     return passes;
-}
-
-Status create_probe_passes(const vulkan::Device& device, Quality quality, const std::filesystem::path& shader_directory,
-                           Passes& passes) {
-    return cook_all(device, list_probe_pipelines(quality, passes), shader_directory, passes);
 }
 
 } // namespace alpenglow::sandbox

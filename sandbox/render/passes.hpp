@@ -43,8 +43,6 @@ struct Passes {
         shadow_map,
         resolve,
         hud_picture,
-        colored,     // create_probe_passes()
-        lit_spheres, // likewise
         count
     };
 
@@ -67,9 +65,5 @@ struct Passes {
 // none is.
 Result<Passes> create_passes(const vulkan::Device& device, Quality quality,
                              const std::filesystem::path& shader_directory);
-
-// Adds what ProbeRenderData is drawn with, which only scenes with probes need.
-Status create_probe_passes(const vulkan::Device& device, Quality quality, const std::filesystem::path& shader_directory,
-                           Passes& passes);
 
 } // namespace alpenglow::sandbox

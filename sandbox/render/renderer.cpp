@@ -6,32 +6,17 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include <alpenglow/vulkan/mip_chain.hpp>
 #include <alpenglow/vulkan/transfer.hpp>
 
 #include "sandbox/render/detail_image.hpp"
 #include "sandbox/render/frustum.hpp"
+#include "sandbox/render/layers.hpp"
+#include "sandbox/render/upload.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
-
-// Device-local, filled once. None for no items.
-template <class T>
-Status upload_once(const vulkan::Device& device, const std::vector<T>& items, VkBufferUsageFlags usage,
-                   std::optional<vulkan::Buffer>& buffer) {
-    if (items.empty()) {
-        return Ok{};
-    }
-    const std::span<const std::byte> bytes = std::as_bytes(std::span(items));
-    Result<vulkan::Buffer> created = vulkan::Buffer::create(device, bytes.size(), usage, vulkan::Placement::device);
-    if (!created) {
-        return created.error();
-    }
-    buffer = std::move(created).value();
-    return vulkan::upload_buffer(device, *buffer, bytes);
-}
 
 // The dome's vertices and the skirt below: the horizon's light down to the nadir.
 void write_sky(std::span<const SkyVertex> sky, std::span<std::byte> bytes) {
@@ -41,33 +26,6 @@ void write_sky(std::span<const SkyVertex> sky, std::span<std::byte> bytes) {
         skirt[i] = {sky_direction(sky, SkyDome::vertices + i), sky[i % SkyDome::azimuths].radiance_cd_m2};
     }
     std::memcpy(bytes.data() + sky.size_bytes(), skirt.data(), sizeof skirt);
-}
-
-void bind_vertices(VkCommandBuffer commands, std::uint32_t binding, VkBuffer buffer) {
-    const VkDeviceSize offset = 0;
-    vkCmdBindVertexBuffers(commands, binding, 1, &buffer, &offset);
-}
-
-// The unit sphere by rings and meridians, counter-clockwise from outside.
-void make_sphere(std::vector<glm::vec3>& vertices, std::vector<std::uint32_t>& indices) {
-    constexpr std::uint32_t rings = 20;
-    constexpr std::uint32_t meridians = 40;
-    constexpr float pi = std::numbers::pi_v<float>;
-    for (std::uint32_t r = 0; r <= rings; ++r) {
-        const float polar = pi * static_cast<float>(r) / static_cast<float>(rings);
-        for (std::uint32_t m = 0; m <= meridians; ++m) {
-            const float azimuth = 2.0F * pi * static_cast<float>(m) / static_cast<float>(meridians);
-            vertices.emplace_back(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth),
-                                  std::cos(polar));
-        }
-    }
-    for (std::uint32_t r = 0; r < rings; ++r) {
-        for (std::uint32_t m = 0; m < meridians; ++m) {
-            const std::uint32_t v = r * (meridians + 1) + m;
-            const std::uint32_t below = v + meridians + 1;
-            indices.insert(indices.end(), {v, below, v + 1, v + 1, below, below + 1});
-        }
-    }
 }
 
 bool is_lit(glm::vec3 illuminance) {
@@ -85,7 +43,6 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const vulkan::Device& device,
         r.quality_ = device.info().is_cpu ? Quality::lean : Quality::full;
     }
     r.frames_in_flight_ = options.frames_in_flight;
-    r.shader_directory_ = options.shader_directory;
     Result<Passes> passes = create_passes(device, r.quality_, options.shader_directory);
     if (!passes) {
         return passes.error();
@@ -114,6 +71,11 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const vulkan::Device& device,
     if (const Status uploaded = r.upload_terrain_images(world); !uploaded) {
         return uploaded.error();
     }
+    r.layers_ = make_layers({.device = device,
+                             .passes = r.passes_,
+                             .quality = r.quality_,
+                             .frames_in_flight = r.frames_in_flight_,
+                             .shader_directory = options.shader_directory});
     return renderer;
 }
 
@@ -356,69 +318,6 @@ void Renderer::record_objects(VkCommandBuffer commands, std::span<const ObjectRu
     }
 }
 
-// The pipelines and the sphere, once.
-Status Renderer::prepare_probes() {
-    if (sphere_vertices_) {
-        return Ok{};
-    }
-    if (const Status created = create_probe_passes(device_, quality_, shader_directory_, passes_); !created) {
-        return created;
-    }
-    probe_vertices_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, frames_in_flight_};
-    probe_indices_ = {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, frames_in_flight_};
-    probe_spheres_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, frames_in_flight_};
-    std::vector<glm::vec3> vertices;
-    std::vector<std::uint32_t> indices;
-    make_sphere(vertices, indices);
-    sphere_index_count_ = static_cast<std::uint32_t>(indices.size());
-    if (const Status uploaded = upload_once(device_, indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT, sphere_indices_);
-        !uploaded) {
-        return uploaded;
-    }
-    return upload_once(device_, vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, sphere_vertices_);
-}
-
-Status Renderer::update_probe_buffers(const ProbeRenderData& probes, DrawStats& stats) {
-    Status status = prepare_probes();
-    const auto copy = [&](DynamicBuffer& buffer, const auto& items) {
-        if (status) {
-            status = buffer.replace(device_, items);
-            ++stats.uploads;
-            stats.upload_bytes += items.size_bytes();
-        }
-    };
-    if (status && probe_mesh_revision_ != probes.mesh_revision) {
-        probe_mesh_revision_ = probes.mesh_revision;
-        copy(probe_vertices_, probes.vertices);
-        copy(probe_indices_, probes.indices);
-    }
-    if (status && probe_spheres_revision_ != probes.spheres_revision) {
-        probe_spheres_revision_ = probes.spheres_revision;
-        copy(probe_spheres_, probes.spheres);
-    }
-    return status;
-}
-
-void Renderer::record_probes(VkCommandBuffer commands, const ProbeRenderData& probes, DrawStats& stats) const {
-    const auto draw = [&](Passes::Name pass, VkBuffer vertices, VkBuffer indices, std::size_t count,
-                          std::size_t instances) {
-        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, passes_[pass]);
-        bind_vertices(commands, 0, vertices);
-        vkCmdBindIndexBuffer(commands, indices, 0, VK_INDEX_TYPE_UINT32);
-        vkCmdDrawIndexed(commands, static_cast<std::uint32_t>(count), static_cast<std::uint32_t>(instances), 0, 0, 0);
-        ++stats.draws;
-        stats.triangles += static_cast<std::uint32_t>(count / 3 * instances);
-    };
-    if (!probes.spheres.empty()) {
-        bind_vertices(commands, 1, probe_spheres_.get());
-        draw(Passes::lit_spheres, sphere_vertices_->get(), sphere_indices_->get(), sphere_index_count_,
-             probes.spheres.size());
-    }
-    if (!probes.indices.empty()) {
-        draw(Passes::colored, probe_vertices_.get(), probe_indices_.get(), probes.indices.size(), 1);
-    }
-}
-
 void Renderer::record_shadow_map(VkCommandBuffer commands, DrawStats& stats) {
     // Seen from the light, objects stand still: the map holds as long as light and camera do.
     if (block_.shadow_from_relative == shadow_drawn_for_ && block_.camera_m == shadow_drawn_at_) {
@@ -434,8 +333,7 @@ void Renderer::record_shadow_map(VkCommandBuffer commands, DrawStats& stats) {
     vkCmdEndRenderPass(commands);
 }
 
-void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, const ProbeRenderData* probes,
-                            DrawStats& stats) const {
+void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, DrawStats& stats) {
     const auto bind = [&](Passes::Name name) {
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, passes_[name]);
     };
@@ -466,9 +364,10 @@ void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, co
         }
         record_objects(commands, visible_.runs(), visible_instances_.get(), stats);
     }
-    if (probes != nullptr) {
-        record_probes(commands, *probes, stats);
+    for (Layer* layer : drawn_layers_) {
+        layer->record_opaque(commands, frame, stats);
     }
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 2, 1, &detail_set_, 0, nullptr);
     if (!frame.terrain_indices.empty()) {
         bind_vertices(commands, 0, terrain_vertices_->get());
         bind_vertices(commands, 1, terrain_vertices_->get()); // not read: the terrain is one piece
@@ -507,14 +406,16 @@ void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, co
     if (is_lit(frame.sun_illuminance_lux)) {
         draw_disc(Passes::sun, 0);
     }
+    for (Layer* layer : drawn_layers_) {
+        layer->record_blended(commands, frame, stats);
+    }
 }
 
 const vulkan::Image& Renderer::output() const {
     return quality_ == Quality::full ? *final_target_.color : *scene_target_.color;
 }
 
-Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swapchain, ImDrawData* hud,
-                                 const ProbeRenderData* probes) {
+Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swapchain, ImDrawData* hud) {
     assert(hud == nullptr || hud_ != nullptr);
     DrawStats stats;
     Result<vulkan::FrameRing::Frame> begun = ring_->begin();
@@ -525,10 +426,17 @@ Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swap
     if (const Status updated = update_buffers(frame, begun->slot, stats); !updated) {
         return updated.error();
     }
-    if (probes != nullptr) {
-        if (const Status updated = update_probe_buffers(*probes, stats); !updated) {
-            return updated.error();
+    drawn_layers_.clear();
+    for (const std::unique_ptr<Layer>& layer : layers_) {
+        if (layer->wanted(frame)) {
+            if (const Status uploaded = layer->upload(frame, extent_, begun->slot, stats); !uploaded) {
+                return uploaded.error();
+            }
+            drawn_layers_.push_back(layer.get());
         }
+    }
+    for (Layer* layer : drawn_layers_) {
+        layer->record_before(commands, frame, stats);
     }
     if (hud != nullptr) {
         stats.hud_redrawn = hud_->record_picture(commands, *hud);
@@ -543,7 +451,7 @@ Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swap
     if (quality_ == Quality::full) {
         record_shadow_map(commands, stats);
         vulkan::begin_render_pass(commands, passes_.scene.get(), scene_target_);
-        record_scene(commands, frame, probes, stats);
+        record_scene(commands, frame, stats);
         vkCmdEndRenderPass(commands);
         vulkan::begin_render_pass(commands, passes_.final.get(), final_target_);
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, passes_[Passes::resolve]);
@@ -552,7 +460,7 @@ Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swap
         vkCmdDraw(commands, 3, 1, 0, 0);
     } else {
         vulkan::begin_render_pass(commands, passes_.scene.get(), scene_target_);
-        record_scene(commands, frame, probes, stats);
+        record_scene(commands, frame, stats);
     }
     overlay();
     vkCmdEndRenderPass(commands);
@@ -601,10 +509,17 @@ Result<std::vector<std::byte>> Renderer::read_pixels() {
 
 std::vector<std::string> Renderer::reload_shaders() {
     std::vector<std::string> messages;
+    std::vector<vulkan::ReloadablePipeline*> pipelines;
     for (std::optional<vulkan::ReloadablePipeline>& pipeline : passes_.pipelines) {
-        if (!pipeline) {
-            continue;
+        if (pipeline) {
+            pipelines.push_back(&*pipeline);
         }
+    }
+    for (const std::unique_ptr<Layer>& layer : layers_) {
+        const std::vector<vulkan::ReloadablePipeline*> more = layer->pipelines();
+        pipelines.insert(pipelines.end(), more.begin(), more.end());
+    }
+    for (vulkan::ReloadablePipeline* pipeline : pipelines) {
         const Result<bool> reloaded = pipeline->reload_if_changed();
         if (!reloaded) {
             messages.push_back(reloaded.error().message());

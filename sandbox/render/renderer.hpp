@@ -19,11 +19,11 @@
 #include "sandbox/render/dynamic_buffer.hpp"
 #include "sandbox/render/gpu_data.hpp"
 #include "sandbox/render/hud.hpp"
+#include "sandbox/render/layer.hpp"
 #include "sandbox/render/passes.hpp"
 #include "sandbox/render/sky_dome.hpp"
 #include "sandbox/render/terrain_image.hpp"
 #include "sandbox/render/visible_objects.hpp"
-#include "sandbox/world/probe_render_data.hpp"
 #include "sandbox/world/render_data.hpp"
 
 namespace alpenglow::sandbox {
@@ -33,18 +33,6 @@ struct RendererOptions {
     Quality quality = Quality::automatic;
     std::uint32_t frames_in_flight = 2;
     std::filesystem::path shader_directory{}; // the folder shaders/ to follow for changes; empty: none
-};
-
-// What a draw() did.
-struct DrawStats {
-    std::uint32_t uploads = 0; // buffers filled anew, not counting the uniform block of each frame
-    std::uint64_t upload_bytes = 0;
-    std::uint32_t draws = 0;     // draw calls
-    std::uint32_t triangles = 0; // submitted, whether in view or not
-    std::uint32_t objects_considered = 0;
-    std::uint32_t objects_drawn = 0;
-    bool hud_redrawn = false; // the HUD had changed
-    bool presented = false;   // false with a swapchain: it must be recreated
 };
 
 class Renderer {
@@ -67,10 +55,8 @@ public:
 
     // Draws and submits a frame; with a swapchain, also presents it, scaled to the window. Returns while the device is
     // still drawing; waits where `frames_in_flight` frames are under way. `hud`: ImGui's draw data, laid over the frame
-    // (enable_hud() first); its picture is kept and drawn again only when it has changed. `probes`: of a scene that has
-    // some; its pipelines are made when it first comes.
-    Result<DrawStats> draw(const FrameData& frame, vulkan::Swapchain* swapchain = nullptr, ImDrawData* hud = nullptr,
-                           const ProbeRenderData* probes = nullptr);
+    // (enable_hud() first); its picture is kept and drawn again only when it has changed.
+    Result<DrawStats> draw(const FrameData& frame, vulkan::Swapchain* swapchain = nullptr, ImDrawData* hud = nullptr);
 
     // Waits until all submitted frames are done.
     Status finish();
@@ -89,12 +75,8 @@ private:
     Status upload_terrain_images(const WorldData& world);
     Status create_targets(VkExtent2D extent);
     Status update_buffers(const FrameData& frame, std::uint32_t slot, DrawStats& stats);
-    Status prepare_probes();
-    Status update_probe_buffers(const ProbeRenderData& probes, DrawStats& stats);
-    void record_probes(VkCommandBuffer commands, const ProbeRenderData& probes, DrawStats& stats) const;
     void record_shadow_map(VkCommandBuffer commands, DrawStats& stats);
-    void record_scene(VkCommandBuffer commands, const FrameData& frame, const ProbeRenderData* probes,
-                      DrawStats& stats) const;
+    void record_scene(VkCommandBuffer commands, const FrameData& frame, DrawStats& stats);
     void record_objects(VkCommandBuffer commands, std::span<const ObjectRun> runs, VkBuffer instances,
                         DrawStats& stats) const;
     [[nodiscard]] const vulkan::Image& output() const;
@@ -152,12 +134,8 @@ private:
     gpu::FrameBlock block_{};          // the frame's
     gpu::mat4 shadow_drawn_for_{0.0F}; // what the shadow map shows, and where the camera stood
     gpu::vec4 shadow_drawn_at_{0.0F};
-    // Of scenes with probes; empty until the first of them is drawn.
-    std::filesystem::path shader_directory_;
-    std::optional<vulkan::Buffer> sphere_vertices_, sphere_indices_;
-    std::uint32_t sphere_index_count_ = 0;
-    DynamicBuffer probe_vertices_, probe_indices_, probe_spheres_;
-    std::optional<std::uint32_t> probe_mesh_revision_, probe_spheres_revision_;
+    std::vector<std::unique_ptr<Layer>> layers_;
+    std::vector<Layer*> drawn_layers_; // those that this frame wants
 };
 
 } // namespace alpenglow::sandbox

@@ -1,6 +1,7 @@
 #include "scene.hpp"
 
 #include "builtin_scenes.hpp"
+#include "reader.hpp"
 
 #include <algorithm>
 #include <array>
@@ -19,152 +20,7 @@
 namespace alpenglow::sandbox {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::uintmax_t max_file_bytes = 1U << 20U;
-
-std::string shown(double number) {
-    return Json(number).dump();
-}
-
-// A value as an error shows it: short, on one line.
-std::string shown(const Json& value) {
-    std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
-    if (text.size() > 60) {
-        text = text.substr(0, 57) + "...";
-    }
-    return text;
-}
-
-// Reads the members of one JSON object; keeps the first error.
-class Reader {
-public:
-    Reader(const Json& object, std::string file, std::string prefix)
-        : object_(object), file_(std::move(file)), prefix_(std::move(prefix)) {}
-
-    template <class Number>
-    void number(const char* key, double low, double high, Number& out) {
-        const Json* value = find(key);
-        if (value == nullptr) {
-            return;
-        }
-        const std::string expected = "a number from " + shown(low) + " to " + shown(high);
-        if (!value->is_number()) {
-            fail(key, shown(*value), expected);
-            return;
-        }
-        const double x = value->get<double>();
-        if (!(x >= low && x <= high)) {
-            fail(key, shown(*value), expected);
-            return;
-        }
-        out = static_cast<Number>(x);
-    }
-
-    void numbers(const char* key, double low, double high, glm::vec3& out) {
-        const Json* value = find(key);
-        if (value == nullptr) {
-            return;
-        }
-        const std::string expected = "three numbers from " + shown(low) + " to " + shown(high);
-        if (!value->is_array() || value->size() != 3) {
-            fail(key, shown(*value), expected);
-            return;
-        }
-        for (int k = 0; k < 3; ++k) {
-            const Json& item = (*value)[static_cast<std::size_t>(k)];
-            if (!item.is_number() || !(item.get<double>() >= low && item.get<double>() <= high)) {
-                fail(std::string(key) + "[" + std::to_string(k) + "]", shown(item), expected);
-                return;
-            }
-            out[k] = item.get<float>();
-        }
-    }
-
-    void text(const char* key, std::string& out) {
-        const Json* value = find(key);
-        if (value == nullptr) {
-            return;
-        }
-        if (!value->is_string() || value->get_ref<const std::string&>().empty()) {
-            fail(key, shown(*value), "a text that is not empty");
-            return;
-        }
-        out = value->get<std::string>();
-    }
-
-    void boolean(const char* key, bool& out) {
-        const Json* value = find(key);
-        if (value == nullptr) {
-            return;
-        }
-        if (!value->is_boolean()) {
-            fail(key, shown(*value), "true or false");
-            return;
-        }
-        out = value->get<bool>();
-    }
-
-    // The object under `key`; null if there is none.
-    const Json* object(const char* key) {
-        const Json* value = find(key);
-        if (value != nullptr && !value->is_object()) {
-            fail(key, shown(*value), "an object");
-            return nullptr;
-        }
-        return value;
-    }
-
-    void require(const char* key) {
-        if (!failed_ && !object_.contains(key)) {
-            failed_ = true;
-            error_ = {"is missing", where(key), "it must be given"};
-        }
-    }
-
-    // Call last: any member that nobody asked for is an error.
-    void no_others() {
-        for (const auto& member : object_.items()) {
-            if (!failed_ && std::find(known_.begin(), known_.end(), member.key()) == known_.end()) {
-                std::string names;
-                for (const std::string& name : known_) {
-                    names += (names.empty() ? "" : ", ") + name;
-                }
-                failed_ = true;
-                error_ = {"unknown field", where(shown_key(member.key())), "one of " + names};
-            }
-        }
-    }
-
-    void fail(const std::string& key, const std::string& value, const std::string& expected) {
-        if (!failed_) {
-            failed_ = true;
-            error_ = {"is " + value, where(key), expected};
-        }
-    }
-
-    [[nodiscard]] bool failed() const { return failed_; }
-    [[nodiscard]] const Error& error() const { return error_; }
-    [[nodiscard]] std::string where(const std::string& key) const { return file_ + ": " + prefix_ + key; }
-
-private:
-    const Json* find(const char* key) {
-        known_.emplace_back(key);
-        const auto at = object_.find(key);
-        return failed_ || at == object_.end() ? nullptr : &*at;
-    }
-    static std::string shown_key(const std::string& key) {
-        const std::string quoted = shown(Json(key));
-        return quoted.substr(1, quoted.size() - 2);
-    }
-
-    const Json& object_;
-    std::string file_;
-    std::string prefix_;
-    std::vector<std::string> known_;
-    bool failed_ = false;
-    Error error_;
-};
 
 // "line 3, column 7" of the byte at which the parser stopped.
 std::string place_in(std::string_view text, std::size_t byte) {
@@ -211,9 +67,6 @@ Result<Json> parse_json(std::string_view text, const std::string& file) {
 
 constexpr std::array<std::pair<Quality, std::string_view>, 3> quality_names{
     {{Quality::automatic, "auto"}, {Quality::lean, "lean"}, {Quality::full, "full"}}};
-
-constexpr std::array<std::pair<Deringing, std::string_view>, 3> deringing_names{
-    {{Deringing::none, "none"}, {Deringing::paper, "paper"}, {Deringing::exact, "exact"}}};
 
 } // namespace
 
@@ -316,21 +169,11 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
         }
     }
     if (probes != nullptr) {
-        Reader grid(*probes, file, "probes.");
-        scene.probes.emplace();
-        std::string deringing = "exact";
-        grid.text("deringing", deringing);
-        const auto way = std::find_if(deringing_names.begin(), deringing_names.end(),
-                                      [&](const auto& entry) { return entry.second == deringing; });
-        if (way == deringing_names.end()) {
-            grid.fail("deringing", shown(Json(deringing)), "none, paper or exact");
-        } else {
-            scene.probes->deringing = way->first;
-        }
-        grid.boolean("show", scene.probes->show);
-        grid.no_others();
-        if (grid.failed()) {
-            return grid.error();
+        Reader section(*probes, file, "probes.");
+        scene.probes = read_probe_settings(section);
+        section.no_others();
+        if (section.failed()) {
+            return section.error();
         }
     }
     return scene;

@@ -8,19 +8,13 @@
 
 #include <glm/vec3.hpp>
 
-#include <alpenglow/components/light_probe.hpp>
 #include <alpenglow/core/result.hpp>
 
+#include "sandbox/scene/probe_settings.hpp"
 #include "sandbox/world/camera.hpp"
 #include "sandbox/world/quality.hpp"
 
 namespace alpenglow::sandbox {
-
-// Of a scene with a probe grid.
-struct ProbeSettings {
-    Deringing deringing = Deringing::exact;
-    bool show = true; // draw probes of the grid
-};
 
 struct Scene {
     std::string name;

@@ -13,6 +13,14 @@
 
 namespace alpenglow::sandbox {
 
+struct ProbeRenderData; // probe_render_data.hpp
+
+// A number that no revision in this run has had: equal revisions mean equal content, whatever scene they come from.
+[[nodiscard]] inline std::uint32_t next_revision() {
+    static std::uint32_t last = 0;
+    return ++last;
+}
+
 // One vertex of terrain or object, 40 bytes. World frame: metres, +X east, +Y north, +Z up.
 struct Vertex {
     glm::vec3 position_m;
@@ -99,6 +107,8 @@ struct FrameData {
     std::uint32_t shadow_revision = 0;
     std::span<const SkyVertex> sky_vertices; // the topology is the dome's, see render/sky_dome.hpp
     std::uint32_t sky_revision = 0;
+    // What the scene's parts add, each drawn by its own layer (render/layers.hpp). Null: nothing to draw.
+    const ProbeRenderData* probes = nullptr;
 };
 
 } // namespace alpenglow::sandbox

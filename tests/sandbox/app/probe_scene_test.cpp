@@ -16,6 +16,8 @@
 
 #include "sandbox/app/game.hpp"
 #include "sandbox/app/probe_display.hpp"
+#include "sandbox/app/probe_scene.hpp"
+#include "sandbox/world/probe_render_data.hpp"
 #include "sandbox/world/landscape_file.hpp"
 
 namespace alpenglow::sandbox {
@@ -54,7 +56,7 @@ protected:
     // The lowest luminance that any ball shows, relative to the mean of that ball.
     static float darkest() {
         float least = 1.0F;
-        for (const LitSphere& sphere : game_->probe_data()->spheres) {
+        for (const LitSphere& sphere : game_->frame().probes->spheres) {
             const auto luminance = [](const glm::vec3& c) { return 0.2126F * c.r + 0.7152F * c.g + 0.0722F * c.b; };
             const float mean = 0.28209479F * luminance(sphere.radiance[0]);
             for (int i = 0; i < 2000; ++i) {
@@ -77,8 +79,8 @@ TEST_F(ProbeSceneTest, OtherScenesHaveNoProbesAndDoNoWorkForThem) {
     EXPECT_EQ(game_->reports().size(), 6U);
     EXPECT_EQ(report("probes"), nullptr);
     EXPECT_EQ(report("probe_receivers"), nullptr);
-    EXPECT_EQ(game_->probes(), nullptr);
-    EXPECT_EQ(game_->probe_data(), nullptr);
+    EXPECT_EQ(game_->part<ProbeScene>(), nullptr);
+    EXPECT_EQ(game_->frame().probes, nullptr);
 }
 
 TEST_F(ProbeSceneTest, ProbesConvergeAndRest) {
@@ -86,35 +88,35 @@ TEST_F(ProbeSceneTest, ProbesConvergeAndRest) {
     update(1);
     EXPECT_GT(report("probes")->updated, 50U);
     EXPECT_EQ(report("probes")->rejected, 0U);
-    const std::uint32_t made = game_->probes()->numbers().probes;
+    const std::uint32_t made = game_->part<ProbeScene>()->numbers().probes;
     EXPECT_GT(made, 50U);
     for (int frame = 0; frame < 3; ++frame) { // time stands still, and so do the balls
         update(1);
         for (const SystemReport& r : game_->reports()) {
             EXPECT_EQ(r.updated, 0U) << r.system;
         }
-        EXPECT_LE(report("probes")->error_bound, static_cast<double>(game_->probes()->grid().max_error));
+        EXPECT_LE(report("probes")->error_bound, static_cast<double>(game_->part<ProbeScene>()->grid().max_error));
     }
-    EXPECT_EQ(game_->probes()->numbers().probes, made);
+    EXPECT_EQ(game_->part<ProbeScene>()->numbers().probes, made);
 }
 
 TEST_F(ProbeSceneTest, BallsGlideAndOnlyTheyAreWorkedOn) {
     enter(Deringing::exact, 1.0);
     update(2);
-    const auto balls = static_cast<std::uint32_t>(game_->probe_data()->spheres.size());
-    const glm::vec3 before = game_->probe_data()->spheres[2].centre_m;
+    const auto balls = static_cast<std::uint32_t>(game_->frame().probes->spheres.size());
+    const glm::vec3 before = game_->frame().probes->spheres[2].centre_m;
     for (int frame = 0; frame < 10; ++frame) {
         update(1);
         EXPECT_EQ(report("probes")->updated, 0U);
         EXPECT_EQ(report("probe_receivers")->updated, balls);
     }
-    EXPECT_GT(glm::distance(game_->probe_data()->spheres[2].centre_m, before), 0.05F);
+    EXPECT_GT(glm::distance(game_->frame().probes->spheres[2].centre_m, before), 0.05F);
 }
 
 TEST_F(ProbeSceneTest, LightIsNegativeWithoutDeringingAndNotWithExact) {
     enter(Deringing::none);
     update(2);
-    const ProbeNumbers none = game_->probes()->numbers();
+    const ProbeNumbers none = game_->part<ProbeScene>()->numbers();
     EXPECT_LT(none.least_irradiance, -0.05F);
     EXPECT_LT(darkest(), -0.02F);
     EXPECT_EQ(none.least_window, 1.0F);
@@ -123,9 +125,9 @@ TEST_F(ProbeSceneTest, LightIsNegativeWithoutDeringingAndNotWithExact) {
     EXPECT_NEAR(none.least_contrast, 1.0F, 1e-4F);
 
     // As the panel does it: in place.
-    game_->probes()->settings.deringing = Deringing::exact;
+    game_->part<ProbeScene>()->settings.deringing = Deringing::exact;
     update(2);
-    const ProbeNumbers exact = game_->probes()->numbers();
+    const ProbeNumbers exact = game_->part<ProbeScene>()->numbers();
     EXPECT_EQ(exact.probes, none.probes);
     EXPECT_GE(exact.least_irradiance, -1e-6F);
     EXPECT_GE(darkest(), -1e-6F);
@@ -133,9 +135,9 @@ TEST_F(ProbeSceneTest, LightIsNegativeWithoutDeringingAndNotWithExact) {
     EXPECT_LT(exact.contrast, 1.0F);
     EXPECT_GT(exact.least_contrast, 0.0F);
 
-    game_->probes()->settings.deringing = Deringing::paper;
+    game_->part<ProbeScene>()->settings.deringing = Deringing::paper;
     update(2);
-    const ProbeNumbers paper = game_->probes()->numbers();
+    const ProbeNumbers paper = game_->part<ProbeScene>()->numbers();
     EXPECT_GT(paper.least_irradiance, none.least_irradiance);
     EXPECT_LT(paper.least_irradiance, exact.least_irradiance); // under the roof its table does not reach far enough
     EXPECT_LT(paper.contrast, exact.contrast);                 // and costs more
@@ -154,7 +156,7 @@ TEST_F(ProbeSceneTest, OutOfViewNothingIsLitOrDrawn) {
     game_->camera.turn(3.0F, 0.0F);
     game_->camera.position_m.y -= 30.0F;
     update(2);
-    EXPECT_EQ(game_->probe_data(), nullptr);
+    EXPECT_EQ(game_->frame().probes, nullptr);
     for (const char* system : {"probes", "probe_receivers", "probe_yard"}) {
         EXPECT_EQ(report(system)->updated, 0U) << system;
     }
@@ -163,21 +165,21 @@ TEST_F(ProbeSceneTest, OutOfViewNothingIsLitOrDrawn) {
 TEST_F(ProbeSceneTest, HiddenProbesAreNotUpdatedForTheirOwnSake) {
     enter(Deringing::exact);
     update(2);
-    const std::uint32_t shown = game_->probes()->numbers().probes;
-    const std::size_t vertices = game_->probe_data()->vertices.size();
+    const std::uint32_t shown = game_->part<ProbeScene>()->numbers().probes;
+    const std::size_t vertices = game_->frame().probes->vertices.size();
     Scene scene = *load_scene("probes");
     scene.probes->show = false;
     game_->enter(scene);
     update(2);
-    EXPECT_LT(game_->probes()->numbers().probes, shown);
-    EXPECT_LT(game_->probe_data()->vertices.size(), vertices);
+    EXPECT_LT(game_->part<ProbeScene>()->numbers().probes, shown);
+    EXPECT_LT(game_->frame().probes->vertices.size(), vertices);
 }
 
 TEST_F(ProbeSceneTest, TheSameTwiceWithNewRevisions) {
     const auto run = [] {
         enter(Deringing::exact, 1.0);
         update(5);
-        const ProbeRenderData* data = game_->probe_data();
+        const ProbeRenderData* data = game_->frame().probes;
         return std::tuple(std::vector<ColorVertex>(data->vertices.begin(), data->vertices.end()),
                           std::vector<LitSphere>(data->spheres.begin(), data->spheres.end()), data->mesh_revision,
                           data->spheres_revision);

@@ -1,0 +1,13 @@
+#include "sandbox/render/layers.hpp"
+
+#include "sandbox/render/probe_layer.hpp"
+
+namespace alpenglow::sandbox {
+
+std::vector<std::unique_ptr<Layer>> make_layers(const LayerContext& context) {
+    std::vector<std::unique_ptr<Layer>> layers;
+    layers.push_back(std::make_unique<ProbeLayer>(context));
+    return layers;
+}
+
+} // namespace alpenglow::sandbox
