@@ -97,7 +97,7 @@ TEST(Scene, HasNoProbesUnlessItAsksForThem) {
 
 TEST(Scene, ErrorsNameFileFieldValueAndWhatWouldBeRight) {
     expect_error(with(R"("probes": {"deringing": "hann"})"), "probes.deringing", "hann", "none, paper or exact");
-    expect_error(with(R"("probes": {"deringing": 3})"), "probes.deringing", "3", "a text");
+    expect_error(with(R"("probes": {"deringing": 3})"), "probes.deringing", "3", "none, paper or exact");
     expect_error(with(R"("probes": {"show": 1})"), "probes.show", "1", "true or false");
     expect_error(with(R"("probes": {"grid": 1})"), "probes.grid", "unknown field", "one of deringing, show");
     expect_error(with(R"("probes": true)"), "probes", "true", "an object");
