@@ -89,6 +89,13 @@ GroundLux ground_lux(const ProbeSources& sources) {
             glm::dvec3(sources.moon_lux) * std::max(0.0, static_cast<double>(sources.to_moon.z))};
 }
 
+// An occlusion stands on the upper hemisphere alone, which its bands cannot say: cut at a low order, 1 - O leaves light
+// even where the whole sky is hidden. Mirrored at the horizon it hides the same of a sky that has nothing below, and a
+// covered sky is the constant 1, whose product is exact. Coefficients odd in z vanish, even ones double.
+constexpr bool even_in_z(int l, int m) {
+    return (l + m) % 2 == 0;
+}
+
 // The sky without the bands that the sources lack.
 ProbeCoefficients sky_of(const ProbeSources& sources, int order) {
     ProbeCoefficients sky{};
@@ -186,7 +193,13 @@ ProbeCoefficients assemble_reference(int order, Deringing deringing, const Probe
             open[i] = static_cast<double>(sky[i][c]);
             blocked[i] = input.occlusion.empty() ? 0.0 : static_cast<double>(input.occlusion[i]);
         }
-        sh::product(order, open, blocked, product);
+        std::vector<double> hidden(blocked);
+        for (int l = 0; l < order && !sources.whole_sphere; ++l) {
+            for (int m = -l; m <= l; ++m) {
+                hidden[static_cast<std::size_t>(sh::index(l, m))] *= even_in_z(l, m) ? 2.0 : 0.0;
+            }
+        }
+        sh::product(order, open, hidden, product);
         double lit = 0.0;
         for (std::size_t i = 0; i < n; ++i) {
             out[i] = open[i] - product[i];
@@ -232,6 +245,7 @@ namespace {
 struct Shared {
     int order = 3;
     std::size_t n = 9;
+    bool whole_sphere = false;
     ProbeCoefficients sky{};
     DirectLight direct;
     GroundLux lux;
@@ -249,6 +263,7 @@ Shared make_shared(int order, Deringing deringing, const ProbeSources& sources) 
     Shared shared;
     shared.order = order;
     shared.n = size_of(order);
+    shared.whole_sphere = sources.whole_sphere;
     shared.sky = sky_of(sources, order);
     shared.direct = direct_light(order, deringing, sources);
     shared.lux = ground_lux(sources);
@@ -269,13 +284,14 @@ Shared make_shared(int order, Deringing deringing, const ProbeSources& sources) 
 // A chunk's probes as rows.
 struct Chunk {
     explicit Chunk(const Shared& shared)
-        : light(3 * shared.n), blocked(shared.n), product(shared.n), sky(3 * shared.n), input(5) {
+        : light(3 * shared.n), blocked(shared.n), hidden(shared.n), product(shared.n), sky(3 * shared.n), input(5) {
         for (std::size_t i = 0; i < 3 * shared.n; ++i) {
             std::fill_n(sky.row(i), chunk, shared.sky[i % shared.n][static_cast<int>(i / shared.n)]);
         }
     }
     Rows light;   // channel by channel
     Rows blocked; // occlusion
+    Rows hidden;  // the same, mirrored at the horizon
     Rows product;
     Rows sky;   // the same for all: product() wants rows
     Rows input; // visibility of sun and moon, albedo
@@ -320,11 +336,19 @@ void gather(const ProbeGrid& grid, std::span<const std::uint32_t> probes, std::s
 
 // Sky and bounce of a chunk. Loops over whole rows: the compiler vectorises them.
 void assemble_indirect(const Shared& shared, bool occluded, std::size_t count, Chunk& work) {
+    for (int l = 0; occluded && l < shared.order; ++l) {
+        for (int m = -l; m <= l; ++m) {
+            const auto i = static_cast<std::size_t>(sh::index(l, m));
+            const float factor = shared.whole_sphere ? 1.0F : even_in_z(l, m) ? 2.0F : 0.0F;
+            const float* const from = work.blocked.row(i);
+            std::transform(from, from + chunk, work.hidden.row(i), [factor](float v) { return factor * v; });
+        }
+    }
     for (int c = 0; c < 3; ++c) {
         const auto channel = static_cast<std::size_t>(c);
         const std::size_t first = channel * shared.n;
         if (occluded) {
-            sh::product(shared.order, work.sky.batch(first, count), work.blocked.batch(0, count),
+            sh::product(shared.order, work.sky.batch(first, count), work.hidden.batch(0, count),
                         work.product.batch(0, count));
         }
         std::array<float, chunk> lit{};

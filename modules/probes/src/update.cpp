@@ -20,7 +20,8 @@ namespace alpenglow::probes {
 
 namespace {
 
-// Bounds, over all probes, of |1 - O| as a factor on the sky and of the light that a ground illuminance of 1 makes.
+// Bounds, over all probes, of |1 - O| as a factor on the sky (O as it is, and mirrored at the horizon) and of the light
+// that a ground illuminance of 1 makes.
 void find_gains(const ProbeGrid& grid, ProbeGridSh& light) {
     const std::size_t count = probe_count(grid);
     const int order = grid.order;
@@ -36,6 +37,7 @@ void find_gains(const ProbeGrid& grid, ProbeGridSh& light) {
     double ground_squared = lower_squared;
     for (std::size_t p = 0; p < count && !grid.occlusion.empty(); ++p) {
         double rest = 0.0;
+        double even = 0.0;
         double both = 0.0;
         bool usable = true;
         for (std::size_t i = 0; i < n; ++i) {
@@ -49,13 +51,21 @@ void find_gains(const ProbeGrid& grid, ProbeGridSh& light) {
             rest += i == 0 ? 0.0 : o * o;
             both += o * o;
         }
+        for (int l = 1; l < order; ++l) {
+            for (int m = -l; m <= l; m += 2) {
+                const double o =
+                    2.0 * static_cast<double>(grid.occlusion[static_cast<std::size_t>(sh::index(l, m)) * count + p]);
+                even += o * o;
+            }
+        }
         for (int l = 0; l < order; ++l) {
             const std::size_t i = static_cast<std::size_t>(sh::index(l, 0));
             const double z = lower[static_cast<std::size_t>(l)];
             both += z * (z + 2.0 * static_cast<double>(grid.occlusion[i * count + p]));
         }
         const double mean = static_cast<double>(grid.occlusion[p]) / std::sqrt(4.0 * pi);
-        sky = std::max(sky, std::abs(1.0 - mean) + peak * std::sqrt(rest));
+        sky = std::max(
+            {sky, std::abs(1.0 - mean) + peak * std::sqrt(rest), std::abs(1.0 - 2.0 * mean) + peak * std::sqrt(even)});
         ground_squared = std::max(ground_squared, both);
     }
     glm::dvec3 albedo(grid.ground_albedo);

@@ -2,7 +2,10 @@
 
 #include "support.hpp"
 
+#include <alpenglow/sh/irradiance.hpp>
 #include <alpenglow/sh/project.hpp>
+
+#include <functional>
 
 namespace alpenglow::probes {
 namespace {
@@ -152,6 +155,88 @@ TEST(AssembleTest, AWallTakesTheSkyThatItHides) {
         const ProbeCoefficients light = assemble_reference(3, Deringing::none, sources, input);
         EXPECT_LT(light[0].y, before);
         before = static_cast<double>(light[0].y);
+    }
+}
+
+// The part of the sky's light that is left under an occlusion that is a function of direction, projected by rays as a
+// game does it, on a black ground without sun or moon: coefficients relative to the norm of the open sky's.
+double left_of_sky(int order, Deringing way, const std::function<double(const glm::dvec3&)>& hidden, glm::vec3* lux) {
+    std::vector<double> projected(static_cast<std::size_t>(sh::coefficient_count(order)));
+    sh::project_function(
+        order, sh::sphere_quadrature(62), // an even number of nodes in z: none on the horizon
+        std::function<double(const glm::dvec3&)>([&](const glm::dvec3& d) { return d.z > 0.0 ? hidden(d) : 0.0; }),
+        projected);
+    const std::vector<float> occlusion(projected.begin(), projected.end());
+    ProbeGrid grid = test::small_grid(order);
+    grid.count = {2, 1, 1};
+    grid.deringing = way;
+    grid.ground_albedo = glm::vec3(0.0F);
+    grid.sun_visibility = grid.moon_visibility = {0.0F, 0.0F};
+    test::set_occlusion(grid, 0, occlusion);
+    const ProbeSources sources = test::clear_sky(order, 15.0);
+    ProbeGridSh light;
+    test::make_all(grid, light, sources);
+    const ProbeCoefficients left = test::probe_light(light, 0), open = test::probe_light(light, 1);
+    const ProbeInput input{
+        .sun_visibility = 0.0F, .moon_visibility = 0.0F, .albedo = glm::vec3(0.0F), .occlusion = occlusion};
+    EXPECT_LE(test::distance(left, assemble_reference(order, way, sources, input)), 2e-6 * test::norm(open));
+    if (lux != nullptr) {
+        std::vector<glm::vec3> e(left.begin(), left.end());
+        sh::irradiance(order, std::span<const glm::vec3>(e), std::span<glm::vec3>(e));
+        *lux = sh::evaluate(order, std::span<const glm::vec3>(e), glm::vec3(0.0F, 0.0F, 1.0F));
+    }
+    return test::norm(left) / test::norm(open);
+}
+
+// A sky that is covered gives no light, one that is half covered half of it.
+TEST(AssembleTest, CoverTakesTheSkyInProportion) {
+    for (int order = 2; order <= max_probe_order; ++order) {
+        for (const Deringing way : ways) {
+            if (order > 3 && way != Deringing::none) {
+                continue; // scalar and slow
+            }
+            glm::vec3 open, half;
+            EXPECT_NEAR(left_of_sky(
+                            order, way, [](const glm::dvec3&) { return 0.0; }, &open),
+                        1.0, 1e-6);
+            EXPECT_NEAR(left_of_sky(
+                            order, way, [](const glm::dvec3&) { return 0.5; }, &half),
+                        0.5, 1e-5);
+            EXPECT_NEAR(half.x / open.x, 0.5, 1e-5);
+            EXPECT_LE(left_of_sky(
+                          order, way, [](const glm::dvec3&) { return 1.0; }, nullptr),
+                      1e-6)
+                << order;
+            // All but a slit of 1 / 64 of the sky: little is left, and none of it where a bright sky is hidden.
+            const auto slit = [](const glm::dvec3& d) { return d.z < 63.0 / 64.0 ? 1.0 : 0.0; };
+            EXPECT_LE(left_of_sky(order, way, slit, nullptr), 0.08) << order;
+        }
+    }
+}
+
+// Half of a uniform dome hidden, by a wall along the meridian: half of the light on the ground, whatever the order.
+TEST(AssembleTest, HalfOfAUniformSkyIsHalfTheLight) {
+    for (int order = 2; order <= max_probe_order; ++order) {
+        ProbeSources sources;
+        sources.order = order;
+        std::array<double, max_probe_order> dome{};
+        sh::zonal_hemisphere(order, 1.0, 0.0, dome);
+        sh::add_zonal(order, dome, glm::vec3(0.0F, 0.0F, 1.0F), glm::vec3(1000.0F), sources.sky);
+        std::vector<double> east(static_cast<std::size_t>(sh::coefficient_count(order)));
+        sh::project_function(order, sh::sphere_quadrature(82),
+                             std::function<double(const glm::dvec3&)>(
+                                 [](const glm::dvec3& d) { return d.z > 0.0 && d.x > 0.0 ? 1.0 : 0.0; }),
+                             east);
+        const std::vector<float> occlusion(east.begin(), east.end());
+        ProbeInput input;
+        input.albedo = glm::vec3(0.0F);
+        const ProbeCoefficients open = assemble_reference(order, Deringing::none, sources, input);
+        input.occlusion = occlusion;
+        const ProbeCoefficients half = assemble_reference(order, Deringing::none, sources, input);
+        for (int l = 0; l < order; ++l) {
+            const auto zonal = static_cast<std::size_t>(sh::index(l, 0));
+            EXPECT_NEAR(half[zonal].x, 0.5 * static_cast<double>(open[zonal].x), 0.01 * test::norm(open)) << order << l;
+        }
     }
 }
 

@@ -7,11 +7,13 @@
 #include <alpenglow/probes/update.hpp>
 #include <alpenglow/sh/basis.hpp>
 #include <alpenglow/sh/irradiance.hpp>
+#include <alpenglow/sh/project.hpp>
 #include <alpenglow/sh/zonal.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <vector>
 
@@ -42,15 +44,16 @@ inline ProbeSources clear_sky(int order, double sun_altitude_deg = 35.0) {
     return sources;
 }
 
-// A wall: radiance blocked within an angle of a direction.
+// A wall: the sky blocked within an angle of a direction, and nothing below the horizon.
 inline std::vector<float> wall(int order, const glm::vec3& direction, double angle_rad, double opacity = 1.0) {
-    std::array<double, max_probe_order> zonal{};
-    sh::zonal_disc(order, angle_rad, zonal);
-    std::vector<glm::vec3> c(static_cast<std::size_t>(sh::coefficient_count(order)));
-    sh::add_zonal(order, zonal, direction, glm::vec3(static_cast<float>(opacity)), c);
-    std::vector<float> out;
-    std::transform(c.begin(), c.end(), std::back_inserter(out), [](const glm::vec3& v) { return v.x; });
-    return out;
+    static const sh::SphereQuadrature quadrature = sh::sphere_quadrature(62);
+    const double rim = std::cos(angle_rad);
+    std::vector<double> c(static_cast<std::size_t>(sh::coefficient_count(order)));
+    sh::project_function(order, quadrature, std::function<double(const glm::dvec3&)>([&](const glm::dvec3& d) {
+                             return d.z > 0.0 && glm::dot(d, glm::dvec3(direction)) > rim ? opacity : 0.0;
+                         }),
+                         c);
+    return std::vector<float>(c.begin(), c.end());
 }
 
 inline void set_occlusion(ProbeGrid& grid, std::size_t probe, const std::vector<float>& occlusion) {

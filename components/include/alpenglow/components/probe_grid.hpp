@@ -29,8 +29,8 @@ struct ProbeGrid {
     std::vector<float> sun_visibility;  // 0 .. 1, default 1; NaN counts as 0
     std::vector<float> moon_visibility; // 0 .. 1, default 1; NaN counts as 0
     std::vector<glm::vec3> albedo;      // of the ground that the probe sees, default ground_albedo
-    // What stands above the horizon as the probe sees it (1 blocked, 0 open), on SH: coefficient i of probe p at
-    // [i * probes + p], order * order rows. Default: nothing.
+    // What stands above the horizon as the probe sees it (1 blocked, 0 open; 0 below the horizon, where the ground is
+    // seen in any case), on SH: coefficient i of probe p at [i * probes + p], order * order rows. Default: nothing.
     std::vector<float> occlusion;
 
     // To be raised after a change of anything above but the visibilities, max_error and budget: all probes are made
