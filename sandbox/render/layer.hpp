@@ -50,6 +50,8 @@ public:
     virtual void record_opaque(VkCommandBuffer /*commands*/, const FrameData& /*frame*/, DrawStats& /*stats*/) {}
     // In the scene's pass: over terrain, sky, sun and moon. Layers record from far to near, in their order.
     virtual void record_blended(VkCommandBuffer /*commands*/, const FrameData& /*frame*/, DrawStats& /*stats*/) {}
+    // Over the finished picture, in display colours, below the HUD: lean: in the scene's pass, full: in the final one.
+    virtual void record_overlay(VkCommandBuffer /*commands*/, const FrameData& /*frame*/, DrawStats& /*stats*/) {}
     // Pipelines to follow for changes of their shaders.
     virtual std::vector<vulkan::ReloadablePipeline*> pipelines() { return {}; }
 };

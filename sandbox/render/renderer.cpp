@@ -13,20 +13,11 @@
 #include "sandbox/render/detail_image.hpp"
 #include "sandbox/render/frustum.hpp"
 #include "sandbox/render/layers.hpp"
+#include "sandbox/render/sky_vertices.hpp"
 #include "sandbox/render/upload.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
-
-// The dome's vertices and the skirt below: the horizon's light down to the nadir.
-void write_sky(std::span<const SkyVertex> sky, std::span<std::byte> bytes) {
-    std::memcpy(bytes.data(), sky.data(), sky.size_bytes());
-    std::array<SkyVertex, SkyDome::skirt_vertices> skirt{};
-    for (std::uint32_t i = 0; i < SkyDome::skirt_vertices; ++i) {
-        skirt[i] = {sky_direction(sky, SkyDome::vertices + i), sky[i % SkyDome::azimuths].radiance_cd_m2};
-    }
-    std::memcpy(bytes.data() + sky.size_bytes(), skirt.data(), sizeof skirt);
-}
 
 bool is_lit(glm::vec3 illuminance) {
     return illuminance.x > 0.0F || illuminance.y > 0.0F || illuminance.z > 0.0F;
@@ -43,6 +34,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const vulkan::Device& device,
         r.quality_ = device.info().is_cpu ? Quality::lean : Quality::full;
     }
     r.frames_in_flight_ = options.frames_in_flight;
+    r.shader_directory_ = options.shader_directory;
     Result<Passes> passes = create_passes(device, r.quality_, options.shader_directory);
     if (!passes) {
         return passes.error();
@@ -71,6 +63,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const vulkan::Device& device,
     if (const Status uploaded = r.upload_terrain_images(world); !uploaded) {
         return uploaded.error();
     }
+    r.coarse_terrain_ = world.terrain.indices;
     r.layers_ = make_layers({.device = device,
                              .passes = r.passes_,
                              .quality = r.quality_,
@@ -282,8 +275,8 @@ Status Renderer::update_buffers(const FrameData& frame, std::uint32_t slot, Draw
         sky_extract_ = extract_sky(frame);
         if (!frame.sky_vertices.empty()) {
             assert(frame.sky_vertices.size() == SkyDome::vertices);
-            replace(sky_vertices_, frame.sky_vertices.size_bytes() + SkyDome::skirt_vertices * sizeof(SkyVertex),
-                    [&](std::span<std::byte> bytes) { write_sky(frame.sky_vertices, bytes); });
+            replace(sky_vertices_, sky_vertex_bytes(frame.sky_vertices),
+                    [&](std::span<std::byte> bytes) { write_sky_vertices(frame.sky_vertices, bytes); });
         }
     }
     if (!frame.sky_vertices.empty()) {
@@ -442,6 +435,9 @@ Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swap
         stats.hud_redrawn = hud_->record_picture(commands, *hud);
     }
     const auto overlay = [&] {
+        for (Layer* layer : drawn_layers_) {
+            layer->record_overlay(commands, frame, stats);
+        }
         if (hud != nullptr) {
             hud_->record_overlay(commands, passes_[Passes::hud_picture], passes_.image_layout.get());
         }
@@ -489,6 +485,34 @@ Result<DrawStats> Renderer::draw(const FrameData& frame, vulkan::Swapchain* swap
         stats.presented = *presented;
     }
     return stats;
+}
+
+Status Renderer::capture(const FrameData& frame, const glm::vec3& point_m, int face, std::span<glm::vec3> texels) {
+    if (const Status done = finish(); !done) {
+        return done;
+    }
+    if (!capture_) {
+        std::vector<MeshRange> meshes;
+        for (const Mesh& mesh : meshes_) {
+            meshes.push_back({mesh.first_index, mesh.index_count, mesh.vertex_offset});
+        }
+        Result<std::unique_ptr<SceneCapture>> created =
+            SceneCapture::create(device_, shader_directory_,
+                                 {.terrain_vertices = terrain_vertices_ ? terrain_vertices_->get() : VK_NULL_HANDLE,
+                                  .terrain_indices = coarse_terrain_,
+                                  .object_vertices = object_vertices_ ? object_vertices_->get() : VK_NULL_HANDLE,
+                                  .object_indices = object_indices_ ? object_indices_->get() : VK_NULL_HANDLE,
+                                  .meshes = std::move(meshes),
+                                  .instances = instances_,
+                                  .objects = visible_,
+                                  .sky_indices = sky_indices_->get(),
+                                  .sky_index_count = static_cast<std::uint32_t>(sky_dome_indices().size())});
+        if (!created) {
+            return created.error();
+        }
+        capture_ = std::move(created).value();
+    }
+    return capture_->render(frame, point_m, face, texels);
 }
 
 Status Renderer::finish() {

@@ -16,6 +16,7 @@
 
 #include "gpu_test.hpp"
 #include "sandbox/render/sky_dome.hpp"
+#include "sandbox/world/overlay_render_data.hpp"
 #include "sandbox/world/vertex.hpp"
 
 namespace alpenglow::sandbox {
@@ -412,6 +413,40 @@ TEST_P(RendererTest, HudLiesOverItsRectanglesAloneAndIsKept) {
     draw(show("59 fps"));
     renderer.reset();
     ImGui::DestroyContext(context);
+}
+
+// A picture over the frame: each of its pixels in its place as it is, nothing else touched, uploaded once a revision.
+TEST_P(RendererTest, AnOverlayLiesPixelByPixel) {
+    const Plain plain;
+    start(plain);
+    draw();
+    const std::vector<std::byte> without = pixels;
+    constexpr int width = 9;
+    constexpr int height = 5;
+    std::vector<std::byte> rgba;
+    for (int i = 0; i < width * height; ++i) {
+        for (const int value : {3 * i, 255 - i, i, 255}) {
+            rgba.push_back(static_cast<std::byte>(value));
+        }
+    }
+    const OverlayRenderData overlay{
+        .rgba = rgba, .width = width, .height = height, .left = 17, .top = 101, .revision = next_revision()};
+    frame.overlay = &overlay;
+    EXPECT_EQ(draw().uploads, 1U);
+    for (std::uint32_t y = 0; y < kExtent.height; ++y) {
+        for (std::uint32_t x = 0; x < kExtent.width; ++x) {
+            const std::size_t at = 4 * (std::size_t{y} * kExtent.width + x);
+            const bool inside = x >= 17 && x < 17 + width && y >= 101 && y < 101 + height;
+            const std::size_t i = inside ? (y - 101) * width + (x - 17) : 0;
+            for (std::size_t c = 0; c < 3; ++c) {
+                ASSERT_EQ(pixels[at + c], inside ? rgba[4 * i + c] : without[at + c]) << x << ' ' << y;
+            }
+        }
+    }
+    EXPECT_EQ(draw().uploads, 0U);
+    frame.overlay = nullptr;
+    draw();
+    EXPECT_EQ(pixels, without);
 }
 
 INSTANTIATE_TEST_SUITE_P(Qualities, RendererTest, testing::Values(Quality::lean, Quality::full),
