@@ -21,13 +21,19 @@ namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-// Order 3, by the batch.
-void dering_quadratic(Deringing deringing, sh::Batch rows, std::span<float> window) {
+// Orders 3 to 5, by the batch.
+void dering_batch(int order, Deringing deringing, sh::Batch rows, std::span<float> window) {
     std::array<sh::DeringOutcome, dering_rows_at_most> outcomes{};
-    std::array<float, 2 * dering_rows_at_most> factors{};
+    std::array<float, (max_probe_order - 1) * dering_rows_at_most> factors{};
     assert(rows.count <= dering_rows_at_most);
-    sh::dering(3, rows, rows, dering_options(deringing, 3), std::span(outcomes).first(rows.count),
-               {factors.data(), rows.count, dering_rows_at_most});
+    const sh::DeringOptions options = dering_options(deringing, order);
+    const std::span<sh::DeringOutcome> became = std::span(outcomes).first(rows.count);
+    const sh::Batch kept{factors.data(), rows.count, dering_rows_at_most};
+    if (order == 3) {
+        sh::dering(3, rows, rows, options, became, kept);
+    } else {
+        sh::dering(order, 3, rows, rows, options, became, kept);
+    }
     for (std::size_t k = 0; k < rows.count; ++k) {
         window[k] = outcomes[k] == sh::DeringOutcome::not_finite ? nan : factors[k];
     }
@@ -36,8 +42,8 @@ void dering_quadratic(Deringing deringing, sh::Batch rows, std::span<float> wind
 } // namespace
 
 void dering_rows(int order, Deringing deringing, sh::Batch rows, std::span<float> window) {
-    if (order == 3 && deringing != Deringing::none) {
-        dering_quadratic(deringing, rows, window);
+    if (order >= 3 && deringing != Deringing::none) {
+        dering_batch(order, deringing, rows, window);
         return;
     }
     const auto n = static_cast<std::size_t>(3 * order * order);

@@ -5,11 +5,15 @@
 
 #include "simd-inl.h"
 
+#include "folded.hpp"
+
 #include <hwy/cache_control.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace alpenglow::sh::HWY_NAMESPACE {
 namespace {
+
+using detail::Folded;
 
 struct EvaluateBasis {
     ConstBatch directions;
@@ -41,29 +45,6 @@ struct OwnDot : Sums {
     template <int I>
     HWY_INLINE void put(V y) {
         sum[I % 4] = hn::MulAdd(y, load(coefficients + I * stride), sum[I % 4]);
-    }
-};
-
-// One coefficient vector: its coefficients of each m folded into polynomials in z beforehand, then Horner. Degrees stay
-// low enough for float up to order 6.
-struct Folded {
-    float cosine[max_order][max_order]; // [m][power of z]
-    float sine[max_order][max_order];
-
-    HWY_INLINE Folded(int order, const float* f) {
-        for (int m = 0; m < order; ++m) {
-            double c[max_order] = {}, s[max_order] = {};
-            for (int l = m; l < order; ++l) {
-                for (int k = 0, power = (l - m) % 2; power <= l - m; ++k, power += 2) {
-                    c[power] += detail::basis_tables.poly[l][m][k] * static_cast<double>(f[index(l, m)]);
-                    s[power] += detail::basis_tables.poly[l][m][k] * static_cast<double>(f[index(l, -m)]);
-                }
-            }
-            for (int power = 0; power < order - m; ++power) {
-                cosine[m][power] = static_cast<float>(c[power]);
-                sine[m][power] = static_cast<float>(s[power]);
-            }
-        }
     }
 };
 

@@ -9,6 +9,7 @@
 
 #include "simd-inl.h"
 
+#include "dering_orders.hpp"
 #include "window_path.hpp"
 
 #include <alpenglow/core/constants.hpp>
@@ -346,6 +347,7 @@ HWY_INLINE V solve_gauss(const Form<3>& form, V linear, M needed) {
 }
 
 struct Kernel {
+    int order; // 3, or 4 where the third band is not seen
     int channels;
     ConstBatch in;
     Batch out;
@@ -359,12 +361,13 @@ struct Kernel {
     HWY_INLINE void run() const {
         const V zero = hn::Zero(d), one = constant(1.0);
         for (std::size_t k = 0; k < in.count; k += lanes()) {
+            const int rows = order * order;
             const bool table = Paper || family == WindowFamily::sloan;
             const V all = table ? constant(detail::sloan_columns - 1) : one;
             V kept = all; // the factor (blend), p (gauss), or columns from the end of the table
             M finite = hn::Eq(zero, zero), dark = hn::Ne(zero, zero), windowed = dark;
             for (int channel = 0; channel < channels; ++channel) {
-                const float* f = in.row(static_cast<std::size_t>(9 * channel)) + k;
+                const float* f = in.row(static_cast<std::size_t>(rows * channel)) + k;
                 V v[9];
                 V largest = zero;
                 M own = finite;
@@ -373,13 +376,21 @@ struct Kernel {
                     v[i] = load(f + i * in.stride);
                     own = hn::And(own, hn::IsFinite(v[i]));
                 }
+                V unseen = zero;
+                for (std::size_t i = 9; i < static_cast<std::size_t>(rows); ++i) {
+                    const V third = load(f + i * in.stride);
+                    const M fine = hn::IsFinite(third);
+                    own = hn::And(own, fine);
+                    unseen = hn::Max(unseen, hn::Abs(hn::IfThenElseZero(fine, third)));
+                }
                 finite = hn::And(finite, own);
                 HWY_UNROLL(16)
                 for (int i = 0; i < 9; ++i) {
                     v[i] = hn::IfThenElseZero(own, v[i]);
                     largest = hn::Max(largest, hn::Abs(v[i]));
                 }
-                const M lit = hn::Gt(largest, zero);
+                const M lit = hn::Gt(hn::Max(largest, hn::IfThenElseZero(own, unseen)), zero);
+                largest = hn::IfThenElse(hn::Gt(largest, zero), largest, unseen);
                 // Into the range where squares and reciprocals are safe, then to 1.
                 const V range = hn::IfThenElse(
                     hn::Lt(largest, constant(1e-20)), constant(1152921504606846976.0),
@@ -464,11 +475,13 @@ struct Kernel {
             w2 = hn::IfThenElseZero(alive, w2);
             if (factors.data != nullptr) {
                 store(w1, factors.row(0) + k);
-                store(w2, factors.row(1) + k);
+                for (int l = 2; l < order; ++l) {
+                    store(w2, factors.row(static_cast<std::size_t>(l - 1)) + k);
+                }
             }
             for (int channel = 0; channel < channels; ++channel) {
-                for (int i = 0; i < 9; ++i) {
-                    const auto row = static_cast<std::size_t>(9 * channel + i);
+                for (int i = 0; i < rows; ++i) {
+                    const auto row = static_cast<std::size_t>(rows * channel + i);
                     // Masked first: zero times NaN is NaN.
                     const V value = hn::IfThenElseZero(alive, load(in.row(row) + k));
                     store(i == 0 ? value : hn::Mul(value, i < 4 ? w1 : w2), out.row(row) + k);
@@ -493,9 +506,9 @@ struct Kernel {
     }
 };
 
-void dering_kernel(int channels, ConstBatch in, Batch out, const DeringOptions& options, DeringOutcome* outcomes,
-                   Batch factors) {
-    Kernel kernel{channels, in, out, options.method, options.family, {1.0F, 1.0F, 1.0F}, outcomes, factors};
+void dering_kernel(int order, int channels, ConstBatch in, Batch out, const DeringOptions& options,
+                   DeringOutcome* outcomes, Batch factors) {
+    Kernel kernel{order, channels, in, out, options.method, options.family, {1.0F, 1.0F, 1.0F}, outcomes, factors};
     if (options.signal == Signal::irradiance) {
         kernel.signal[1] = static_cast<float>(2.0 / 3.0);
         kernel.signal[2] = 0.25F;
@@ -523,7 +536,21 @@ void dering(int channels, ConstBatch in, Batch out, const DeringOptions& options
     assert(options.family == WindowFamily::blend || options.family == WindowFamily::gauss ||
            options.family == WindowFamily::sloan);
     HWY_DYNAMIC_DISPATCH(dering_kernel)
-    (channels, in, out, options, outcomes.empty() ? nullptr : outcomes.data(), factors);
+    (3, channels, in, out, options, outcomes.empty() ? nullptr : outcomes.data(), factors);
+}
+
+void dering(int order, int channels, ConstBatch in, Batch out, const DeringOptions& options,
+            std::span<DeringOutcome> outcomes, Batch factors) {
+    assert(order >= 3 && order <= 6 && channels >= 1 && in.count == out.count);
+    assert(outcomes.empty() || outcomes.size() >= in.count);
+    assert(options.method == DeringMethod::exact && options.family == WindowFamily::blend &&
+           options.cap.cos_angle <= -1.0);
+    if (order == 3 || (order == 4 && options.signal == Signal::irradiance)) {
+        HWY_DYNAMIC_DISPATCH(dering_kernel)
+        (order, channels, in, out, options, outcomes.empty() ? nullptr : outcomes.data(), factors);
+    } else {
+        detail::dering_by_search(order, channels, in, out, options.signal, outcomes, factors);
+    }
 }
 
 } // namespace alpenglow::sh

@@ -5,9 +5,9 @@
 
 #include <alpenglow/sh/image.hpp>
 
-#include <alpenglow/sh/gauss_legendre.hpp>
 #include "image_check.hpp"
 #include "simd-inl.h"
+#include <alpenglow/sh/gauss_legendre.hpp>
 
 #include <alpenglow/core/constants.hpp>
 

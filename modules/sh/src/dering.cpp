@@ -260,7 +260,9 @@ double strength_by_paper(std::span<const double> f) {
 
 double strength_exact(int order, std::span<const double> f, const DeringOptions& options) {
     const double mean = f[0] * detail::basis_tables.poly[0][0][0];
-    const bool quadratic = order <= 3 && options.cap.cos_angle <= -1.0;
+    // Irradiance has no third band.
+    const bool quadratic =
+        (order <= 3 || (order == 4 && options.signal == Signal::irradiance)) && options.cap.cos_angle <= -1.0;
     const double floor = -(quadratic ? dering_tolerance : 1e-4) * mean;
     std::array<double, 9> padded_f{};
     std::copy_n(f.begin(), std::min<std::size_t>(9, f.size()), padded_f.begin());

@@ -416,6 +416,134 @@ TEST_P(DeringBatches, ColoursShareTheStrongestWindowAndBadItemsStayAlone) {
     }
 }
 
+TEST_P(DeringBatches, MinimaOfHigherOrdersAreCertified) {
+    constexpr std::size_t count = 21;
+    test::Random random(41);
+    for (int order = 2; order <= 6; ++order) {
+        const auto n = static_cast<std::size_t>(coefficient_count(order));
+        BatchBuffer in(n, count), found(5, count), above(5, count);
+        std::vector<std::vector<double>> lights(count, std::vector<double>(n));
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::vector<double> f = test::random_light(random, order);
+            for (std::size_t i = 0; i < n; ++i) {
+                in.row(i)[k] = static_cast<float>(f[i]);
+                lights[k][i] = static_cast<double>(in.row(i)[k]);
+            }
+        }
+        std::vector<float> floors(count);
+        certified_minimum(order, in, 1e-3F, found);
+        for (std::size_t k = 0; k < count; ++k) {
+            const double size = test::norm(lights[k]), mean = 0.28209479177387814 * lights[k][0];
+            const auto lower = static_cast<double>(found.row(0)[k]), value = static_cast<double>(found.row(1)[k]);
+            const glm::dvec3 direction(found.row(2)[k], found.row(3)[k], found.row(4)[k]);
+            EXPECT_NEAR(glm::length(direction), 1.0, 1e-6);
+            EXPECT_NEAR(evaluate(order, lights[k], direction), value, 1e-6 * size);
+            EXPECT_LE(value - lower, 1e-3 * (mean - value) + 2e-5 * size) << order << ' ' << k;
+            // Brute force comes from above, and may fall a little short in a narrow valley.
+            const double brute = sampled_minimum(order, lights[k]);
+            EXPECT_GE(brute, lower) << order << ' ' << k;
+            EXPECT_LE(value, brute + 1e-3 * (mean - brute) + 1e-5 * size) << order << ' ' << k;
+            floors[k] = static_cast<float>(brute - 0.01 * size);
+        }
+        certified_minimum(order, in, 1e-3F, above, floors);
+        for (std::size_t k = 0; k < count; ++k) {
+            EXPECT_GE(above.row(0)[k], floors[k]) << "nothing is below the floor, and it says so";
+        }
+    }
+}
+
+TEST_P(DeringBatches, OfHigherOrdersAgreeWithTheScalarMethod) {
+    constexpr std::size_t count = 15; // lights of three channels; the scalar search takes its time
+    test::Random random(42);
+    for (int order = 3; order <= 6; ++order) {
+        const auto n = static_cast<std::size_t>(coefficient_count(order));
+        for (const Signal signal : {Signal::irradiance, Signal::radiance}) {
+            BatchBuffer in(3 * n, count), out(3 * n, count), factors(static_cast<std::size_t>(order - 1), count);
+            std::vector<std::vector<double>> lights(count, std::vector<double>(3 * n));
+            for (std::size_t k = 0; k < count; ++k) {
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const std::vector<double> f = test::random_light(random, order);
+                    for (std::size_t i = 0; i < n; ++i) {
+                        in.row(c * n + i)[k] = static_cast<float>(f[i]);
+                        lights[k][c * n + i] = static_cast<double>(in.row(c * n + i)[k]);
+                    }
+                }
+            }
+            DeringOptions options;
+            options.signal = signal;
+            std::vector<DeringOutcome> outcomes(count);
+            dering(order, 3, in, out, options, outcomes, factors);
+            for (std::size_t k = 0; k < count; ++k) {
+                const auto kept = static_cast<double>(factors.row(0)[k]);
+                EXPECT_EQ(outcomes[k], kept < 1.0 ? DeringOutcome::windowed : DeringOutcome::unchanged);
+                for (int l = 2; l < order; ++l) {
+                    EXPECT_EQ(factors.row(static_cast<std::size_t>(l - 1))[k], factors.row(0)[k]);
+                }
+                for (std::size_t i = 0; i < 3 * n; ++i) {
+                    const float v = in.row(i)[k];
+                    EXPECT_EQ(out.row(i)[k], i % n == 0 ? v : factors.row(0)[k] * v);
+                }
+                double strongest = 1.0;
+                for (std::size_t c = 0; c < 3; ++c) {
+                    std::vector<double> f(out.rows() / 3);
+                    for (std::size_t i = 0; i < n; ++i) {
+                        f[i] = static_cast<double>(out.row(c * n + i)[k]);
+                    }
+                    const std::vector<double> s = signal_of(order, f, signal);
+                    EXPECT_GE(sampled_minimum(order, s), -1.1e-4 * s[0] * 0.28209479177387814) << order << ' ' << k;
+                    if (signal == Signal::irradiance || k < 4) {
+                        const std::span<const double> channel(lights[k].data() + c * n, n);
+                        strongest = std::min(strongest, find_window(order, channel, options).factors[1]);
+                    }
+                }
+                if (signal == Signal::irradiance || k < 4) {
+                    EXPECT_NEAR(kept, strongest, 1e-3 * strongest) << order << ' ' << k;
+                }
+            }
+        }
+    }
+}
+
+TEST_P(DeringBatches, OfHigherOrdersKeepBadItemsApart) {
+    constexpr std::size_t count = 70;
+    test::Random random(43);
+    for (int order = 4; order <= 6; ++order) {
+        const auto n = static_cast<std::size_t>(coefficient_count(order));
+        BatchBuffer in(2 * n, count), out(2 * n, count), clean(2 * n, count);
+        for (std::size_t k = 0; k < count; ++k) {
+            for (std::size_t c = 0; c < 2; ++c) {
+                const std::vector<double> f = test::random_light(random, order);
+                for (std::size_t i = 0; i < n; ++i) {
+                    in.row(c * n + i)[k] = static_cast<float>(f[i]);
+                }
+            }
+        }
+        std::vector<DeringOutcome> outcomes(count);
+        dering(order, 2, in, clean, {}, outcomes);
+        in.row(n + n - 1)[5] = std::numeric_limits<float>::quiet_NaN(); // in the highest band
+        in.row(0)[6] = std::numeric_limits<float>::infinity();
+        in.row(n)[7] = -1.0F;
+        in.row(0)[8] = 0.0F;
+        for (std::size_t i = 0; i < 2 * n; ++i) {
+            in.row(i)[9] = 0.0F;
+            in.row(i)[66] = i % n == n - 2 ? 1.0F : 0.0F; // nothing but one of the highest band
+        }
+        dering(order, 2, in, out, {}, outcomes);
+        EXPECT_EQ(outcomes[5], DeringOutcome::not_finite);
+        EXPECT_EQ(outcomes[6], DeringOutcome::not_finite);
+        EXPECT_EQ(outcomes[7], DeringOutcome::dark);
+        EXPECT_EQ(outcomes[8], DeringOutcome::dark);
+        EXPECT_EQ(outcomes[9], DeringOutcome::unchanged);
+        EXPECT_EQ(outcomes[66], DeringOutcome::dark);
+        for (std::size_t i = 0; i < 2 * n; ++i) {
+            for (std::size_t k = 0; k < count; ++k) {
+                const bool changed = (k >= 5 && k <= 9) || k == 66;
+                EXPECT_EQ(out.row(i)[k], changed ? 0.0F : clean.row(i)[k]) << i << ' ' << k;
+            }
+        }
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(AllTargets, DeringBatches,
                          ::testing::Values(BatchTarget::scalar, BatchTarget::sse4, BatchTarget::avx2,
                                            BatchTarget::avx512));

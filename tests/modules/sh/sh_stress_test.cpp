@@ -121,6 +121,46 @@ TEST_P(ShBatchStress, DeringingIsScaleFree) {
     }
 }
 
+TEST_P(ShBatchStress, DeringingOfHigherOrdersIsScaleFree) {
+    constexpr std::size_t count = 24;
+    test::Random random(15);
+    for (int order = 4; order <= 6; ++order) {
+        const auto n = static_cast<std::size_t>(order * order);
+        BatchBuffer unit(n, count), in(n, count), out(n, count);
+        BatchBuffer expected(static_cast<std::size_t>(order - 1), count), factors(expected.rows(), count);
+        for (std::size_t k = 0; k < count; ++k) {
+            // Among them one band alone, with a mean from nothing to a lot.
+            std::vector<double> f = test::random_light(random, order);
+            if (k % 3 == 0) {
+                f.assign(n, 0.0);
+                f[n - 1 - k / 3] = 1.0;
+                f[0] += std::pow(10.0, static_cast<double>(k) - 14.0);
+            }
+            const double size = test::norm(f);
+            for (std::size_t i = 0; i < n; ++i) {
+                unit.row(i)[k] = static_cast<float>(f[i] / size);
+            }
+        }
+        std::vector<DeringOutcome> outcomes(count);
+        dering(order, 1, unit, out, {}, outcomes, expected);
+        for (const float scale : {1e-40F, 1e-36F, 1e-10F, 1.6e9F, 1e30F}) {
+            for (std::size_t i = 0; i < n; ++i) {
+                for (std::size_t k = 0; k < count; ++k) {
+                    in.row(i)[k] = unit.row(i)[k] * scale;
+                }
+            }
+            dering(order, 1, in, out, {}, outcomes, factors);
+            for (std::size_t k = 0; k < count; ++k) {
+                EXPECT_TRUE(std::isfinite(out.row(n - 1)[k]));
+                EXPECT_NE(outcomes[k], DeringOutcome::not_finite);
+                if (scale > 1e-38F && in.row(0)[k] > 1e-37F) {
+                    EXPECT_NEAR(factors.row(0)[k], expected.row(0)[k], 2e-3F) << order << ' ' << scale << ' ' << k;
+                }
+            }
+        }
+    }
+}
+
 TEST_P(ShBatchStress, DenormalsAnswerWithAndWithoutFlush) {
     BatchBuffer in(9, 16), out(9, 16);
     std::vector<DeringOutcome> outcomes(16);
