@@ -356,6 +356,29 @@ const Case aerial_case("sky/aerial perspective", [](const Context& context) {
             keep(closed(p));
         }
     });
+    // An image's pixels: the same paths over and over, so that the whole works on more than a vector.
+    std::array<std::vector<float>, 4> in;
+    for (std::size_t i = 0; i < 16 * paths.size(); ++i) {
+        for (int k = 0; k < 4; ++k) {
+            in[static_cast<std::size_t>(k)].push_back(paths[i % paths.size()][k]);
+        }
+    }
+    std::array<std::vector<float>, 6> out;
+    out.fill(std::vector<float>(in[0].size()));
+    const auto batch = [&] {
+        sky::aerial_perspective(air, 1500.0F, sun, lux, ambient, {in[0], in[1], in[2], in[3]},
+                                {out[0], out[1], out[2], out[3], out[4], out[5]});
+    };
+    batch();
+    std::size_t at = 0;
+    row.method = "closed form, batch";
+    row.error = error([&](const glm::vec4&) {
+        const std::size_t i = at++;
+        return sky::AerialPerspective{{out[0][i], out[1][i], out[2][i]}, {out[3][i], out[4][i], out[5][i]}};
+    });
+    row.items = static_cast<double>(in[0].size());
+    context.run(row, batch);
+    row.items = static_cast<double>(paths.size());
     for (int steps : {4, 16, 64}) {
         const auto march = [&](const glm::vec4& p) {
             return sky::march_aerial_perspective(air, 1500.0F, glm::vec3(p), p.w, sun, lux, ambient, steps);
