@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <alpenglow/components/celestial.hpp>
@@ -27,6 +28,9 @@ public:
 
     // Puts the clock, the place, the air and the camera where the scene has them; the landscape stays.
     void enter(const Scene& scene);
+
+    // How light probes get pictures of the scene; without one they are assembled.
+    void capture_with(CaptureFace capture) { stage_.capture = std::move(capture); }
 
     // Advances the world by dt_s of real time and prepares the frame for an image of that size.
     void update(double dt_s, int width, int height);

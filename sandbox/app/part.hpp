@@ -1,6 +1,7 @@
 // A part of the game: what one module adds to a scene. Parts know the stage, not each other; they meet in components.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,10 @@
 
 namespace alpenglow::sandbox {
 
+// Renders one face of a cube map around a point: probes::RenderFace, in the light of a frame.
+using CaptureFace =
+    std::function<void(const FrameData& frame, const glm::vec3& point_m, int face, std::span<glm::vec3> texels)>;
+
 // What parts work on. All of it outlives them but for `frame`.
 struct Stage {
     BasicRegistry& registry;
@@ -29,6 +34,7 @@ struct Stage {
     Frame frame;                        // dt_s: real time
     double world_dt_s = 0.0;            // real time while the scene's clock runs, 0 while it stands: for what moves
     int width = 0, height = 0;          // of the picture, pixels
+    CaptureFace capture{};              // empty without a renderer
 };
 
 // Lines of the panel. Texts are shown as they were a few times a second, so that they can be read.

@@ -29,6 +29,7 @@ constexpr int occlusion_rays = 1024;
 constexpr float shown_mean_radius_m = 0.32F;
 constexpr float ball_radius_m = 0.45F;
 constexpr float ball_albedo = 0.4F;
+constexpr std::uint32_t captures_per_frame = 2;
 
 // A ball goes to and fro along a line.
 struct Path {
@@ -120,10 +121,16 @@ void ProbeScene::update(Stage& stage) {
                           .moon_lux = sky.moon_illuminance_lux,
                           .irradiance_matrix = stage.light.irradiance_matrix};
     prepare(stage.world_dt_s, light, stage.drawn.projection * stage.drawn.view);
-    stage.reports.push_back(update_probes(registry_, stage.frame));
+    const bool yard_drawn = visible_ && draw_yard(light, stage.light_revision);
+    stage.drawn.probes = render_data(); // captures see the yard
+    probes::Capture capture{.render = {}, .budget = captures_per_frame};
+    if (stage.capture) {
+        capture.render = [&stage](const glm::vec3& point_m, int face, [[maybe_unused]] int edge,
+                                  std::span<glm::vec3> texels) { stage.capture(stage.drawn, point_m, face, texels); };
+    }
+    stage.reports.push_back(update_probes(registry_, stage.frame, capture));
     stage.reports.push_back(update_probe_receivers(registry_, stage.frame));
-    stage.reports.push_back(finish(light, stage.light_revision));
-    stage.drawn.probes = render_data();
+    stage.reports.push_back(finish(yard_drawn));
 }
 
 void ProbeScene::draw_panel(PanelWriter& panel) {
@@ -131,6 +138,11 @@ void ProbeScene::draw_panel(PanelWriter& panel) {
     int way = static_cast<int>(settings.deringing);
     if (panel.choice("deringing", names, way)) {
         settings.deringing = static_cast<Deringing>(way);
+    }
+    constexpr std::array sources{"assembled", "captured"}; // as ProbeSource
+    int source = static_cast<int>(settings.source);
+    if (panel.choice("probes", sources, source)) {
+        settings.source = static_cast<ProbeSource>(source);
     }
     panel.toggle("show probes", settings.show);
     std::array<char, 96> line{};
@@ -152,6 +164,7 @@ void ProbeScene::place_grid() {
     grid.max_m = yard_.middle_m() + glm::vec3(7.0F, 4.8F, 2.1F);
     grid.count = {8, 7, 3};
     grid.deringing = settings.deringing;
+    grid.source = settings.source;
     grid.ground_albedo = Yard::albedo;
     const std::size_t probes = probes::probe_count(grid);
     grid.valid.resize(probes);
@@ -222,19 +235,21 @@ void ProbeScene::prepare(double dt_s, const YardLight& light, const glm::mat4& c
         return;
     }
     ProbeGrid& grid = registry_.get<ProbeGrid>(grid_);
-    if (grid.deringing != settings.deringing) {
+    if (grid.deringing != settings.deringing || grid.source != settings.source) {
         grid.deringing = settings.deringing;
+        grid.source = settings.source;
         ++grid.revision;
     }
     trace_lights(light);
 }
 
-SystemReport ProbeScene::finish(const YardLight& light, std::uint32_t light_revision) {
-    SystemReport report{.system = "probe_yard", .considered = 1 + static_cast<std::uint32_t>(balls_.size())};
+SystemReport ProbeScene::finish(bool yard_drawn) {
+    SystemReport report{.system = "probe_yard", .considered = 2 + static_cast<std::uint32_t>(balls_.size())};
     const double start = thread_cpu_seconds();
+    report.updated = yard_drawn ? 1U : 0U;
     if (visible_) {
         measure();
-        report.updated += draw_mesh(light, light_revision) ? 1U : 0U;
+        report.updated += draw_display() ? 1U : 0U;
         report.updated += draw_balls() ? static_cast<std::uint32_t>(balls_.size()) : 0U;
     }
     report.skipped = report.considered - report.updated;
@@ -295,25 +310,33 @@ void ProbeScene::measure() {
 }
 
 // True where it was made anew.
-bool ProbeScene::draw_mesh(const YardLight& light, std::uint32_t light_revision) {
-    const bool probes_stand = !settings.show || measured_revision_ == mesh_probe_revision_;
-    if (light_revision == mesh_light_revision_ && probes_stand && settings.show == mesh_shows_probes_) {
+bool ProbeScene::draw_yard(const YardLight& light, std::uint32_t light_revision) {
+    if (light_revision == yard_light_revision_) {
         return false;
     }
-    mesh_light_revision_ = light_revision;
-    mesh_probe_revision_ = measured_revision_;
-    mesh_shows_probes_ = settings.show;
-    vertices_.clear();
-    indices_.clear();
-    yard_.append_mesh(light, vertices_, indices_);
+    yard_light_revision_ = light_revision;
+    yard_vertices_.clear();
+    yard_indices_.clear();
+    yard_.append_mesh(light, yard_vertices_, yard_indices_);
+    drawn_.yard = {yard_vertices_, yard_indices_, next_revision()};
+    return true;
+}
+
+bool ProbeScene::draw_display() {
+    if (settings.show == display_shows_probes_ && (!settings.show || measured_revision_ == display_probe_revision_)) {
+        return false;
+    }
+    display_probe_revision_ = measured_revision_;
+    display_shows_probes_ = settings.show;
+    display_vertices_.clear();
+    display_indices_.clear();
     for (const Entity entity : settings.show ? shown_ : std::vector<Entity>{}) {
         const auto& receiver = registry_.get<ProbeReceiver>(entity);
         const auto& received = registry_.get<ReceiverSh>(entity);
-        append_probe_display(received.coefficients, receiver.position_m, shown_mean_radius_m, vertices_, indices_);
+        append_probe_display(received.coefficients, receiver.position_m, shown_mean_radius_m, display_vertices_,
+                             display_indices_);
     }
-    drawn_.vertices = vertices_;
-    drawn_.indices = indices_;
-    drawn_.mesh_revision = next_revision();
+    drawn_.display = {display_vertices_, display_indices_, next_revision()};
     return true;
 }
 

@@ -52,14 +52,15 @@ private:
     using Entity = BasicRegistry::entity_type;
     // Ahead of update_probes(): moves the balls by dt_s, follows sun and moon, and says what is in view.
     void prepare(double dt_s, const YardLight& light, const glm::mat4& clip_from_world);
-    // After update_probe_receivers(): what is drawn, and the numbers. `light_revision` says whether the light changed.
-    // Items of the report: the mesh and the balls.
-    SystemReport finish(const YardLight& light, std::uint32_t light_revision);
+    // After update_probe_receivers(): what is drawn, and the numbers. Items of the report: the yard, what shows probes,
+    // and the balls.
+    SystemReport finish(bool yard_drawn);
     void place_grid();
     void trace_lights(const YardLight& light);
     void move_balls();
     void measure();
-    bool draw_mesh(const YardLight& light, std::uint32_t light_revision);
+    bool draw_yard(const YardLight& light, std::uint32_t light_revision);
+    bool draw_display();
     bool draw_balls();
 
     BasicRegistry& registry_;
@@ -73,14 +74,14 @@ private:
 
     ProbeNumbers numbers_;
     std::uint32_t measured_revision_ = 0; // of ProbeGridSh
-    std::vector<ColorVertex> vertices_;
-    std::vector<std::uint32_t> indices_;
+    std::vector<ColorVertex> yard_vertices_, display_vertices_;
+    std::vector<std::uint32_t> yard_indices_, display_indices_;
     std::vector<LitSphere> spheres_;
     ProbeRenderData drawn_;
-    // What the mesh was made from.
-    std::uint32_t mesh_light_revision_ = 0;
-    std::uint32_t mesh_probe_revision_ = 0;
-    bool mesh_shows_probes_ = false;
+    // What was drawn last.
+    std::uint32_t yard_light_revision_ = 0;
+    std::uint32_t display_probe_revision_ = 0;
+    bool display_shows_probes_ = false;
 };
 
 } // namespace alpenglow::sandbox

@@ -1,8 +1,10 @@
 #include "sandbox/app/session.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -71,6 +73,12 @@ Result<std::unique_ptr<Session>> Session::create(const vulkan::Instance& instanc
         return renderer.error();
     }
     s.renderer = std::move(renderer).value();
+    s.game->capture_with([&s](const FrameData& frame, const glm::vec3& point_m, int face, std::span<glm::vec3> texels) {
+        if (const Status captured = s.renderer->capture(frame, point_m, face, texels); !captured) {
+            s.panel_.message = captured.error().message();
+            std::fill(texels.begin(), texels.end(), glm::vec3(std::numeric_limits<float>::quiet_NaN())); // not a probe
+        }
+    });
     if (window != nullptr) {
         Result<vulkan::Swapchain> swapchain =
             vulkan::Swapchain::create(device, {.surface = surface, .extent = extent_of(size)});

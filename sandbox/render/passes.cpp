@@ -168,13 +168,16 @@ std::vector<Recipe> list_pipelines(Quality quality, const Passes& passes) {
     const vulkan::ShaderSource disc_source = vertex_shader(disc_vert, "passes/disc.vert");
     std::vector<Recipe> recipes{
         {Passes::sky,
-         {vertex_shader(sky_vert, "passes/sky.vert"),
-          full ? fragment_shader(color_hdr_frag, "passes/color_hdr.frag") : fragment_shader(color_frag, "passes/color.frag")},
+         {vertex_shader(sky_vert, "passes/sky.vert"), full ? fragment_shader(color_hdr_frag, "passes/color_hdr.frag")
+                                                           : fragment_shader(color_frag, "passes/color.frag")},
          {hdr},
          sky},
         {Passes::sun, {disc_source, fragment_shader(sun_frag, "passes/sun.frag")}, {hdr}, sun},
         {Passes::moon, {disc_source, fragment_shader(moon_frag, "passes/moon.frag")}, {hdr}, moon},
-        {Passes::hud_picture, {vertex_shader(hud_vert, "passes/hud.vert"), fragment_shader(hud_frag, "passes/hud.frag")}, {}, hud},
+        {Passes::hud_picture,
+         {vertex_shader(hud_vert, "passes/hud.vert"), fragment_shader(hud_frag, "passes/hud.frag")},
+         {},
+         hud},
     };
     if (full) {
         const std::vector<vulkan::ShaderSource> sources{vertex_shader(surface_full_vert, "passes/surface_full.vert"),
@@ -182,21 +185,23 @@ std::vector<Recipe> list_pipelines(Quality quality, const Passes& passes) {
         recipes.push_back({Passes::terrain, sources, {0}, surface});
         recipes.push_back({Passes::terrain_far, sources, {0}, surface});
         recipes.push_back({Passes::objects, sources, {1}, surface});
-        recipes.push_back({Passes::shadow_map, {vertex_shader(shadow_map_vert, "passes/shadow_map.vert")}, {}, shadow_map});
-        recipes.push_back({Passes::resolve,
-                           {vertex_shader(resolve_vert, "passes/resolve.vert"), fragment_shader(resolve_frag, "passes/resolve.frag")},
-                           {},
-                           resolve});
+        recipes.push_back(
+            {Passes::shadow_map, {vertex_shader(shadow_map_vert, "passes/shadow_map.vert")}, {}, shadow_map});
+        recipes.push_back(
+            {Passes::resolve,
+             {vertex_shader(resolve_vert, "passes/resolve.vert"), fragment_shader(resolve_frag, "passes/resolve.frag")},
+             {},
+             resolve});
     } else {
         const std::vector<vulkan::ShaderSource> terrain{vertex_shader(terrain_lean_vert, "passes/terrain_lean.vert"),
                                                         fragment_shader(terrain_lean_frag, "passes/terrain_lean.frag")};
         recipes.push_back({Passes::terrain, terrain, {0, 1}, surface});
         recipes.push_back({Passes::terrain_far, terrain, {0, 0}, surface});
-        recipes.push_back(
-            {Passes::objects,
-             {vertex_shader(object_lean_vert, "passes/object_lean.vert"), fragment_shader(color_frag, "passes/color.frag")},
-             {1},
-             surface});
+        recipes.push_back({Passes::objects,
+                           {vertex_shader(object_lean_vert, "passes/object_lean.vert"),
+                            fragment_shader(color_frag, "passes/color.frag")},
+                           {1, 0},
+                           surface});
         recipes.push_back({Passes::decals,
                            {vertex_shader(shadow_decal_vert, "passes/shadow_decal.vert"),
                             fragment_shader(shadow_decal_frag, "passes/shadow_decal.frag")},
@@ -210,8 +215,8 @@ Status cook_all(const vulkan::Device& device, std::vector<Recipe> recipes,
                 const std::filesystem::path& shader_directory, Passes& passes) {
     for (Recipe& recipe : recipes) {
         const Passes::Name name = recipe.name;
-        Result<vulkan::ReloadablePipeline> pipeline =
-            make_pipeline(device, std::move(recipe.sources), std::move(recipe.constants), recipe.options, shader_directory);
+        Result<vulkan::ReloadablePipeline> pipeline = make_pipeline(
+            device, std::move(recipe.sources), std::move(recipe.constants), recipe.options, shader_directory);
         if (!pipeline) {
             return pipeline.error();
         }
@@ -232,6 +237,42 @@ Result<Passes> create_passes(const vulkan::Device& device, Quality quality,
         return created.error();
     }
     if (const Status cooked = cook_all(device, list_pipelines(quality, passes), shader_directory, passes); !cooked) {
+        return cooked.error();
+    }
+    return passes;
+}
+
+Result<Passes> create_capture_passes(const vulkan::Device& device, const std::filesystem::path& shader_directory) {
+    Passes passes;
+    if (const Status created = create_layouts(device, Quality::lean, passes); !created) {
+        return created.error();
+    }
+    passes.scene_options = {
+        .color = kHdrFormat, .color_to = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, .depth = kDepthFormat};
+    Result<vulkan::RenderPass> scene = vulkan::create_render_pass(device, passes.scene_options);
+    if (!scene) {
+        return scene.error();
+    }
+    passes.scene = std::move(scene).value();
+    vulkan::GraphicsPipelineOptions surface{};
+    surface.bindings = kSurfaceBindings;
+    surface.attributes = kSurfaceAttributes;
+    surface.layout = passes.scene_layout.get();
+    surface.pass = passes.scene.get();
+    surface.cull = VK_CULL_MODE_BACK_BIT;
+    surface.depth_test = true;
+    surface.depth_write = true;
+    vulkan::GraphicsPipelineOptions sky = surface;
+    sky.bindings = kSkyBindings;
+    sky.attributes = kSkyAttributes;
+    sky.cull = VK_CULL_MODE_NONE;
+    sky.depth_write = false;
+    const vulkan::ShaderSource color = fragment_shader(color_hdr_frag, "passes/color_hdr.frag");
+    const std::vector<vulkan::ShaderSource> lit{vertex_shader(object_lean_vert, "passes/object_lean.vert"), color};
+    std::vector<Recipe> recipes{{Passes::terrain, lit, {0, 1}, surface},
+                                {Passes::objects, lit, {1, 1}, surface},
+                                {Passes::sky, {vertex_shader(sky_vert, "passes/sky.vert"), color}, {1}, sky}};
+    if (const Status cooked = cook_all(device, std::move(recipes), shader_directory, passes); !cooked) {
         return cooked.error();
     }
     return passes;

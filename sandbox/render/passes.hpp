@@ -66,4 +66,7 @@ struct Passes {
 Result<Passes> create_passes(const vulkan::Device& device, Quality quality,
                              const std::filesystem::path& shader_directory);
 
+// Those of SceneCapture: terrain, objects and sky in radiance, lit per vertex.
+Result<Passes> create_capture_passes(const vulkan::Device& device, const std::filesystem::path& shader_directory);
+
 } // namespace alpenglow::sandbox

@@ -95,8 +95,10 @@ Status ProbeLayer::create() {
     }
     colored_ = std::move(colored).value();
     spheres_ = std::move(lit).value();
-    mesh_vertices_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, context_.frames_in_flight};
-    mesh_indices_ = {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, context_.frames_in_flight};
+    for (Mesh* own : {&yard_, &display_}) {
+        own->vertices = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, context_.frames_in_flight};
+        own->indices = {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, context_.frames_in_flight};
+    }
     sphere_instances_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, context_.frames_in_flight};
     std::vector<glm::vec3> vertices;
     std::vector<std::uint32_t> indices;
@@ -120,11 +122,18 @@ Status ProbeLayer::upload(const FrameData& frame, VkExtent2D /*extent*/, std::ui
             stats.upload_bytes += items.size_bytes();
         }
     };
-    if (status && mesh_revision_ != probes.mesh_revision) {
-        mesh_revision_ = probes.mesh_revision;
-        copy(mesh_vertices_, probes.vertices);
-        copy(mesh_indices_, probes.indices);
+    const auto copy_mesh = [&](Mesh& own, const ColorMesh& mesh) {
+        if (own.revision != mesh.revision) {
+            own.revision = mesh.revision;
+            copy(own.vertices, mesh.vertices);
+            copy(own.indices, mesh.indices);
+        }
+    };
+    copy_mesh(yard_, probes.yard);
+    if (frame.capturing) {
+        return status;
     }
+    copy_mesh(display_, probes.display);
     if (status && spheres_revision_ != probes.spheres_revision) {
         spheres_revision_ = probes.spheres_revision;
         copy(sphere_instances_, probes.spheres);
@@ -143,13 +152,20 @@ void ProbeLayer::record_opaque(VkCommandBuffer commands, const FrameData& frame,
         ++stats.draws;
         stats.triangles += static_cast<std::uint32_t>(count / 3 * instances);
     };
+    const auto draw_mesh = [&](const Mesh& own, const ColorMesh& mesh) {
+        if (!mesh.indices.empty()) {
+            draw(colored_->get(), own.vertices.get(), own.indices.get(), mesh.indices.size(), 1);
+        }
+    };
+    draw_mesh(yard_, probes.yard);
+    if (frame.capturing) {
+        return;
+    }
+    draw_mesh(display_, probes.display);
     if (!probes.spheres.empty()) {
         bind_vertices(commands, 1, sphere_instances_.get());
         draw(spheres_->get(), sphere_vertices_->get(), sphere_indices_->get(), sphere_index_count_,
              probes.spheres.size());
-    }
-    if (!probes.indices.empty()) {
-        draw(colored_->get(), mesh_vertices_.get(), mesh_indices_.get(), probes.indices.size(), 1);
     }
 }
 

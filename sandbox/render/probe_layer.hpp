@@ -25,8 +25,13 @@ private:
     std::optional<vulkan::ReloadablePipeline> colored_, spheres_;
     std::optional<vulkan::Buffer> sphere_vertices_, sphere_indices_;
     std::uint32_t sphere_index_count_ = 0;
-    DynamicBuffer mesh_vertices_, mesh_indices_, sphere_instances_;
-    std::optional<std::uint32_t> mesh_revision_, spheres_revision_;
+    struct Mesh {
+        DynamicBuffer vertices, indices;
+        std::optional<std::uint32_t> revision;
+    };
+    Mesh yard_, display_;
+    DynamicBuffer sphere_instances_;
+    std::optional<std::uint32_t> spheres_revision_;
 };
 
 } // namespace alpenglow::sandbox

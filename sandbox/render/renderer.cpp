@@ -63,7 +63,6 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const vulkan::Device& device,
     if (const Status uploaded = r.upload_terrain_images(world); !uploaded) {
         return uploaded.error();
     }
-    r.coarse_terrain_ = world.terrain.indices;
     r.layers_ = make_layers({.device = device,
                              .passes = r.passes_,
                              .quality = r.quality_,
@@ -499,7 +498,6 @@ Status Renderer::capture(const FrameData& frame, const glm::vec3& point_m, int f
         Result<std::unique_ptr<SceneCapture>> created =
             SceneCapture::create(device_, shader_directory_,
                                  {.terrain_vertices = terrain_vertices_ ? terrain_vertices_->get() : VK_NULL_HANDLE,
-                                  .terrain_indices = coarse_terrain_,
                                   .object_vertices = object_vertices_ ? object_vertices_->get() : VK_NULL_HANDLE,
                                   .object_indices = object_indices_ ? object_indices_->get() : VK_NULL_HANDLE,
                                   .meshes = std::move(meshes),

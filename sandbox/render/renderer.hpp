@@ -21,6 +21,7 @@
 #include "sandbox/render/hud.hpp"
 #include "sandbox/render/layer.hpp"
 #include "sandbox/render/passes.hpp"
+#include "sandbox/render/scene_capture.hpp"
 #include "sandbox/render/sky_dome.hpp"
 #include "sandbox/render/terrain_image.hpp"
 #include "sandbox/render/visible_objects.hpp"
@@ -57,6 +58,10 @@ public:
     // still drawing; waits where `frames_in_flight` frames are under way. `hud`: ImGui's draw data, laid over the frame
     // (enable_hud() first); its picture is kept and drawn again only when it has changed.
     Result<DrawStats> draw(const FrameData& frame, vulkan::Swapchain* swapchain = nullptr, ImDrawData* hud = nullptr);
+
+    // One face of the cube map of radiance around a point, cd/m^2, without the discs of sun and moon, in the light of
+    // `frame`: probes::RenderFace. `texels`: capture_edge^2. Waits for the device.
+    Status capture(const FrameData& frame, const glm::vec3& point_m, int face, std::span<glm::vec3> texels);
 
     // Waits until all submitted frames are done.
     Status finish();
@@ -136,6 +141,8 @@ private:
     gpu::vec4 shadow_drawn_at_{0.0F};
     std::vector<std::unique_ptr<Layer>> layers_;
     std::vector<Layer*> drawn_layers_; // those that this frame wants
+    std::filesystem::path shader_directory_;
+    std::unique_ptr<SceneCapture> capture_; // null until the first capture()
 };
 
 } // namespace alpenglow::sandbox

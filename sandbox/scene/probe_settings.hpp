@@ -10,6 +10,7 @@ class Reader;
 // Of a scene with a probe grid.
 struct ProbeSettings {
     Deringing deringing = Deringing::exact;
+    ProbeSource source = ProbeSource::assembled;
     bool show = true; // draw probes of the grid
 };
 

@@ -16,6 +16,13 @@ struct ColorVertex {
     glm::vec4 light; // rgb: radiance in cd/m^2 where w is 0; a symbol's colour, whatever the exposure, where w is 1
 };
 
+// Spans stay valid during draw(). Equal revision, no upload.
+struct ColorMesh {
+    std::span<const ColorVertex> vertices;
+    std::span<const std::uint32_t> indices; // triangles, counter-clockwise from outside
+    std::uint32_t revision = 0;
+};
+
 // A ball that sends back the light of its own probe: radiance on SH of order 3 by the surface's normal, cd/m^2, albedo
 // and cosine included. Values below 0 show as black.
 struct LitSphere {
@@ -25,12 +32,11 @@ struct LitSphere {
     float padding = 0.0F; // the device reads whole vec4s
 };
 
-// Spans stay valid during draw(). Equal revision, no upload.
 struct ProbeRenderData {
-    std::span<const ColorVertex> vertices;
-    std::span<const std::uint32_t> indices; // triangles, counter-clockwise from outside
-    std::uint32_t mesh_revision = 0;
-    std::span<const LitSphere> spheres;
+    ColorMesh yard;
+    // What shows probes, and what they light: not there for a probe that looks around itself.
+    ColorMesh display;
+    std::span<const LitSphere> spheres; // likewise valid during draw()
     std::uint32_t spheres_revision = 0;
 };
 

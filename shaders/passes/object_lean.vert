@@ -6,6 +6,8 @@
 #include "surface.glsl"
 #include "tone.glsl"
 
+layout(constant_id = 1) const bool hdr = false;
+
 layout(location = 0) out vec3 color;
 
 void main() {
@@ -13,5 +15,6 @@ void main() {
     gl_Position = frame.clip_from_relative * vec4(s.relative_m, 1.0);
     float sun = sun_visibility(s.horizon);
     vec3 light = direct_irradiance(s.normal, sun, moon_visibility(s.horizon)) + s.ambient * sky_irradiance(s.normal);
-    color = display(through_air(s.albedo * light, s.relative_m, sun));
+    vec3 radiance = through_air(s.albedo * light, s.relative_m, sun);
+    color = hdr ? radiance : display(radiance);
 }

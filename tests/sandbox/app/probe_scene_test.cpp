@@ -11,6 +11,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <alpenglow/probes/grid.hpp>
 #include <alpenglow/sh/irradiance.hpp>
 #include <alpenglow/sh/zonal.hpp>
 
@@ -166,13 +167,49 @@ TEST_F(ProbeSceneTest, HiddenProbesAreNotUpdatedForTheirOwnSake) {
     enter(Deringing::exact);
     update(2);
     const std::uint32_t shown = game_->part<ProbeScene>()->numbers().probes;
-    const std::size_t vertices = game_->frame().probes->vertices.size();
+    const std::size_t vertices = game_->frame().probes->display.vertices.size();
     Scene scene = *load_scene("probes");
     scene.probes->show = false;
     game_->enter(scene);
     update(2);
     EXPECT_LT(game_->part<ProbeScene>()->numbers().probes, shown);
-    EXPECT_LT(game_->frame().probes->vertices.size(), vertices);
+    EXPECT_LT(game_->frame().probes->display.vertices.size(), vertices);
+}
+
+TEST_F(ProbeSceneTest, CapturedProbesTakeTheirPicturesAFewAFrameAndRest) {
+    std::uint32_t faces = 0;
+    game_->capture_with([&](const FrameData& frame, const glm::vec3&, int, std::span<glm::vec3> texels) {
+        ++faces;
+        EXPECT_NE(frame.probes, nullptr); // the yard is part of the picture
+        std::fill(texels.begin(), texels.end(), glm::vec3(300.0F, 200.0F, 100.0F));
+    });
+    Scene scene = *load_scene("probes");
+    scene.time_rate = 0.0;
+    scene.probes->source = ProbeSource::captured;
+    game_->enter(scene);
+    update(1);
+    EXPECT_EQ(faces, 12U); // two probes a frame
+    update(150);           // every probe in use has had its turn
+    const std::uint32_t converged = faces;
+    EXPECT_GT(converged, 6U * 50U);
+    update(3);
+    EXPECT_EQ(faces, converged);
+    // In the shade of the roof, a uniform surrounding is all that there is.
+    const ProbeGrid& grid = game_->part<ProbeScene>()->grid();
+    const ProbeGridSh& light = game_->part<ProbeScene>()->grid_light();
+    int shaded = 0;
+    for (std::size_t p = 0; p < grid.valid.size(); ++p) {
+        if (light.made_pass[p] != 0 && grid.valid[p] != 0 && grid.sun_visibility[p] == 0.0F &&
+            grid.moon_visibility[p] == 0.0F) {
+            const glm::vec3 mean = 0.28209479F * probes::coefficient(light, p, 0);
+            EXPECT_NEAR(mean.r, 300.0F, 0.1F);
+            EXPECT_NEAR(mean.b, 100.0F, 0.1F);
+            EXPECT_NEAR(probes::coefficient(light, p, 2).g, 0.0F, 0.1F);
+            ++shaded;
+        }
+    }
+    EXPECT_GT(shaded, 5);
+    game_->capture_with({});
 }
 
 TEST_F(ProbeSceneTest, TheSameTwiceWithNewRevisions) {
@@ -180,8 +217,8 @@ TEST_F(ProbeSceneTest, TheSameTwiceWithNewRevisions) {
         enter(Deringing::exact, 1.0);
         update(5);
         const ProbeRenderData* data = game_->frame().probes;
-        return std::tuple(std::vector<ColorVertex>(data->vertices.begin(), data->vertices.end()),
-                          std::vector<LitSphere>(data->spheres.begin(), data->spheres.end()), data->mesh_revision,
+        return std::tuple(std::vector<ColorVertex>(data->yard.vertices.begin(), data->yard.vertices.end()),
+                          std::vector<LitSphere>(data->spheres.begin(), data->spheres.end()), data->yard.revision,
                           data->spheres_revision);
     };
     const auto [vertices, spheres, mesh_revision, spheres_revision] = run();

@@ -14,6 +14,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include <alpenglow/sh/image.hpp>
+
 #include "gpu_test.hpp"
 #include "sandbox/render/sky_dome.hpp"
 #include "sandbox/world/overlay_render_data.hpp"
@@ -503,6 +505,42 @@ TEST_P(ShadowTest, ObjectsShadeTheGround) {
     draw();
     EXPECT_LT(mean(157, 55, 163, 63).y, 0.7 * open.y);
     EXPECT_GT(mean(157, 74, 163, 78).y, 0.7 * open.y); // in front of it
+}
+
+// Every face of a capture shows the radiance of the direction that its texel stands for, sky above and ground below.
+TEST_P(RendererTest, CapturesAreRadianceByDirection) {
+    Plain plain;
+    start(plain);
+    frame.sun_illuminance_lux = glm::vec3(0.0F);
+    frame.moon_illuminance_lux = glm::vec3(0.0F);
+    const auto radiance = [](const glm::vec3& d) {
+        return 1000.0F * (glm::vec3(2.0F) + glm::vec3(d.x, d.y, d.z));
+    };
+    place_sky_vertices(frame.to_sun, sky);
+    for (SkyVertex& vertex : sky) {
+        vertex.radiance_cd_m2 = radiance(vertex.direction);
+    }
+    ++frame.sky_revision;
+    std::vector<glm::vec3> texels(std::size_t{capture_edge} * capture_edge);
+    for (int face = 0; face < 6; ++face) {
+        const Status captured = renderer->capture(frame, glm::vec3(0.0F, 0.0F, 5.0F), face, texels);
+        ASSERT_TRUE(captured) << captured.error().message();
+        int above = 0;
+        for (int row = 0; row < capture_edge; ++row) {
+            for (int column = 0; column < capture_edge; ++column) {
+                const auto centre = [](int i) { return (2.0 * i + 1.0) / capture_edge - 1.0; };
+                const glm::vec3 d = glm::normalize(glm::vec3(sh::cube_direction(face, centre(column), centre(row))));
+                if (d.z > 0.05F) {
+                    const glm::vec3 seen = texels[static_cast<std::size_t>(row * capture_edge + column)];
+                    for (int k = 0; k < 3; ++k) {
+                        ASSERT_NEAR(seen[k], radiance(d)[k], 30.0F) << face << ' ' << row << ' ' << column;
+                    }
+                    ++above;
+                }
+            }
+        }
+        EXPECT_GE(above, face == 5 ? 0 : face == 4 ? capture_edge * capture_edge : 400);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Full, ShadowTest, testing::Values(Quality::full));
