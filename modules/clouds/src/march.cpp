@@ -58,7 +58,7 @@ struct Packet {
     float angle[max_lights][16]; // table coordinates
     float beam[max_lights][16];  // results
     float field[3][16];
-    float transmittance[16], depth[16];
+    float transmittance[16], depth[16], spread[16];
 };
 
 } // namespace alpenglow::clouds
@@ -239,6 +239,7 @@ void march_packet(const MarchInput& in, Packet& packet) {
     V width = one; // steps this sample stands for
     V transmittance = one;
     V depth = zero;
+    V depth_2 = zero;
     V weight = zero;
     V beam[max_lights];
     V field[3];
@@ -306,6 +307,7 @@ void march_packet(const MarchInput& in, Packet& packet) {
                 }
                 const V seen = hn::IfThenElseZero(active, hn::Mul(transmittance, opacity));
                 depth = hn::MulAdd(seen, t, depth);
+                depth_2 = hn::MulAdd(hn::Mul(seen, t), t, depth_2);
                 weight = hn::Add(weight, seen);
                 transmittance =
                     hn::IfThenElse(hn::And(active, hn::Gt(tau, zero)), hn::Mul(transmittance, e), transmittance);
@@ -349,8 +351,11 @@ void march_packet(const MarchInput& in, Packet& packet) {
         hn::StoreU(hn::Mul(field[i], correction), d, packet.field[i]);
     }
     hn::StoreU(hn::IfThenElseZero(hn::Not(stopped), transmittance), d, packet.transmittance);
-    hn::StoreU(hn::IfThenElseZero(hn::Gt(weight, zero), hn::Div(depth, hn::Max(weight, hn::Set(d, 1e-30F)))), d,
-               packet.depth);
+    const V inverse_weight = hn::Div(one, hn::Max(weight, hn::Set(d, 1e-30F)));
+    const V mean = hn::IfThenElseZero(hn::Gt(weight, zero), hn::Mul(depth, inverse_weight));
+    const V variance = hn::NegMulAdd(mean, mean, hn::Mul(depth_2, inverse_weight));
+    hn::StoreU(mean, d, packet.depth);
+    hn::StoreU(hn::IfThenElseZero(hn::Gt(weight, zero), hn::Sqrt(hn::Max(variance, zero))), d, packet.spread);
 }
 
 } // namespace alpenglow::clouds::HWY_NAMESPACE
@@ -429,7 +434,13 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
     assert(lighting.lights().size() <= std::size_t(max_lights));
     const GridTransform& transform = volume.transform();
     const glm::dvec3 eye = transform.index_from_world(camera.position_m);
-    const CloudLighting::ViewFields fields = lighting.contract(eye);
+    CloudLighting::ViewFields made;
+    if (settings.fields == nullptr) {
+        made = lighting.contract(eye);
+    }
+    const CloudLighting::ViewFields& fields = settings.fields != nullptr ? *settings.fields : made;
+    const PixelRect rect = settings.rect.empty() ? PixelRect{0, 0, camera.width, camera.height} : settings.rect;
+    assert(rect.x0 >= 0 && rect.y0 >= 0 && rect.x1 <= camera.width && rect.y1 <= camera.height);
     const auto voxel = static_cast<float>(std::min({transform.voxel_m.x, transform.voxel_m.y, transform.voxel_m.z}));
     MarchInput in{};
     in.volume = view_of(volume);
@@ -456,29 +467,27 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
     const int lanes = static_cast<int>(HWY_DYNAMIC_DISPATCH(packet_lanes)());
     const int tile_w = std::min(4, lanes);
     const int tile_h = lanes / tile_w;
-    const int tiles_x = (camera.width + tile_w - 1) / tile_w;
-    const int tiles_y = (camera.height + tile_h - 1) / tile_h;
+    const int tiles_x = (rect.x1 - rect.x0 + tile_w - 1) / tile_w;
+    const int tiles_y = (rect.y1 - rect.y0 + tile_h - 1) / tile_h;
     parallel_for(
         std::size_t(tiles_x) * std::size_t(tiles_y), 8,
         [&](std::size_t begin, std::size_t end) {
             Packet packet{};
             double bases[16] = {};
             for (std::size_t tile = begin; tile < end; ++tile) {
-                const int x0 = static_cast<int>(tile % std::size_t(tiles_x)) * tile_w;
-                const int y0 = static_cast<int>(tile / std::size_t(tiles_x)) * tile_h;
+                const int x0 = rect.x0 + static_cast<int>(tile % std::size_t(tiles_x)) * tile_w;
+                const int y0 = rect.y0 + static_cast<int>(tile / std::size_t(tiles_x)) * tile_h;
                 bool any = false;
                 for (int lane = 0; lane < lanes; ++lane) {
-                    const int x = std::min(x0 + lane % tile_w, camera.width - 1);
-                    const int y = std::min(y0 + lane / tile_w, camera.height - 1);
+                    const int x = std::min(x0 + lane % tile_w, rect.x1 - 1);
+                    const int y = std::min(y0 + lane / tile_w, rect.y1 - 1);
                     const glm::vec3 world =
                         camera.direction(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
                     const glm::vec3 local(transform.local_direction(glm::dvec3(world)));
                     const glm::vec3 direction = local / glm::vec3(transform.voxel_m);
-                    double enter = 0.0;
-                    auto leave = double(
-                        settings.scene_depth_m.empty()
-                            ? 1e30F
-                            : settings.scene_depth_m[std::size_t(y) * std::size_t(camera.width) + std::size_t(x)]);
+                    const std::size_t ray = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
+                    double enter = settings.from_m.empty() ? 0.0 : std::max(0.0, double(settings.from_m[ray]));
+                    auto leave = double(settings.scene_depth_m.empty() ? 1e30F : settings.scene_depth_m[ray]);
                     for (int a = 0; a < 3; ++a) {
                         const double inverse =
                             1.0 / (std::abs(direction[a]) < 1e-12F ? std::copysign(1e-12, double(direction[a]))
@@ -515,7 +524,7 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
                 for (int lane = 0; lane < lanes; ++lane) {
                     const int x = x0 + lane % tile_w;
                     const int y = y0 + lane / tile_w;
-                    if (x >= camera.width || y >= camera.height) {
+                    if (x >= rect.x1 || y >= rect.y1) {
                         continue;
                     }
                     const std::size_t pixel = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
@@ -531,6 +540,7 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
                     picture.radiance[pixel] =
                         glm::vec3(std::max(sum.x, 0.0F), std::max(sum.y, 0.0F), std::max(sum.z, 0.0F));
                     picture.transmittance[pixel] = packet.transmittance[lane];
+                    picture.spread_m[pixel] = packet.spread[lane];
                     picture.depth_m[pixel] =
                         packet.depth[lane] > 0.0F ? static_cast<float>(bases[lane] + double(packet.depth[lane])) : 0.0F;
                 }

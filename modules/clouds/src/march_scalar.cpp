@@ -9,7 +9,8 @@
 namespace alpenglow::clouds {
 
 RayLight march_ray(const BrickVolume& volume, const CloudLighting& lighting, const CloudLighting::ViewFields& fields,
-                   const glm::dvec3& eye, const glm::vec3& world, const MarchSettings& settings, float t_end) {
+                   const glm::dvec3& eye, const glm::vec3& world, const MarchSettings& settings, float t_end,
+                   float t_start) {
     RayLight out;
     const GridTransform& transform = volume.transform();
     const auto voxel = static_cast<float>(std::min({transform.voxel_m.x, transform.voxel_m.y, transform.voxel_m.z}));
@@ -20,7 +21,7 @@ RayLight march_ray(const BrickVolume& volume, const CloudLighting& lighting, con
     const glm::dvec3 high = glm::dvec3(volume.active_high() + 1);
     const glm::vec3 local(transform.local_direction(glm::dvec3(world)));
     const glm::vec3 d = local / glm::vec3(transform.voxel_m);
-    double enter = 0.0;
+    double enter = std::max(0.0, double(t_start));
     auto leave = double(t_end);
     for (int a = 0; a < 3; ++a) {
         const double inverse = 1.0 / (std::abs(d[a]) < 1e-12F ? std::copysign(1e-12, double(d[a])) : double(d[a]));
@@ -41,6 +42,7 @@ RayLight march_ray(const BrickVolume& volume, const CloudLighting& lighting, con
     glm::vec3 sum(0.0F);
     float transmittance = 1.0F;
     float depth = 0.0F;
+    float depth_2 = 0.0F;
     float weight = 0.0F;
     for (float k = 0.0F; transmittance > settings.stop_transmittance; ++k) {
         const float from = std::max(k * step, t0);
@@ -74,6 +76,7 @@ RayLight march_ray(const BrickVolume& volume, const CloudLighting& lighting, con
         const float opacity = -std::expm1(-tau);
         sum += source * (transmittance * (riemann ? tau : opacity));
         depth += transmittance * opacity * t;
+        depth_2 += transmittance * opacity * t * t;
         weight += transmittance * opacity;
         transmittance *= std::exp(-tau);
     }
@@ -84,6 +87,8 @@ RayLight march_ray(const BrickVolume& volume, const CloudLighting& lighting, con
     out.radiance = glm::vec3(std::max(sum.x, 0.0F), std::max(sum.y, 0.0F), std::max(sum.z, 0.0F));
     out.transmittance = transmittance;
     out.depth_m = weight > 0.0F ? static_cast<float>(base + double(depth / weight)) : 0.0F;
+    const float mean = weight > 0.0F ? depth / weight : 0.0F;
+    out.spread_m = weight > 0.0F ? std::sqrt(std::max(0.0F, depth_2 / weight - mean * mean)) : 0.0F;
     return out;
 }
 
@@ -94,7 +99,9 @@ Picture march_scalar(const BrickVolume& volume, const CloudLighting& lighting, c
         return picture;
     }
     const glm::dvec3 eye = volume.transform().index_from_world(camera.position_m);
-    const CloudLighting::ViewFields fields = lighting.contract(eye);
+    const CloudLighting::ViewFields here =
+        settings.fields == nullptr ? lighting.contract(eye) : CloudLighting::ViewFields{};
+    const CloudLighting::ViewFields& fields = settings.fields == nullptr ? here : *settings.fields;
     parallel_for(
         picture.radiance.size(), 64,
         [&](std::size_t begin, std::size_t end) {
@@ -102,10 +109,12 @@ Picture march_scalar(const BrickVolume& volume, const CloudLighting& lighting, c
                 const glm::vec3 world = camera.direction(static_cast<float>(pixel % std::size_t(camera.width)) + 0.5F,
                                                          static_cast<float>(pixel / std::size_t(camera.width)) + 0.5F);
                 const float t_end = settings.scene_depth_m.empty() ? 1e30F : settings.scene_depth_m[pixel];
-                const RayLight ray = march_ray(volume, lighting, fields, eye, world, settings, t_end);
+                const float t_start = settings.from_m.empty() ? 0.0F : settings.from_m[pixel];
+                const RayLight ray = march_ray(volume, lighting, fields, eye, world, settings, t_end, t_start);
                 picture.radiance[pixel] = ray.radiance;
                 picture.transmittance[pixel] = ray.transmittance;
                 picture.depth_m[pixel] = ray.depth_m;
+                picture.spread_m[pixel] = ray.spread_m;
             }
         },
         settings.threads);

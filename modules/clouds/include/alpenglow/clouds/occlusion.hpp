@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <alpenglow/clouds/lighting.hpp>
+#include <alpenglow/clouds/march.hpp>
 
 namespace alpenglow::clouds {
 
@@ -37,11 +37,6 @@ struct CloudEnvironment {
     std::array<glm::vec3, 16> radiance{};  // of the clouds themselves
 };
 
-struct LitCloud {
-    const BrickVolume* volume = nullptr;
-    const CloudLighting* lighting = nullptr;
-    glm::dvec3 offset_m{0.0};
-};
 // Clouds may overlap on a ray: they are taken from near to far by their mean depth.
 [[nodiscard]] CloudEnvironment cloud_environment(std::span<const LitCloud> clouds, const glm::dvec3& position_m,
                                                  int rays = 192);

@@ -54,11 +54,12 @@ struct Picture {
     std::vector<glm::vec3> radiance;  // scattered towards the eye by the cloud, without what lies behind
     std::vector<float> transmittance; // of what lies behind, 0 .. 1
     std::vector<float> depth_m;       // mean distance of what is seen of the cloud; 0 where there is none
+    std::vector<float> spread_m;      // its standard deviation along the ray
 
     Picture() = default;
     Picture(int w, int h)
         : width(w), height(h), radiance(std::size_t(w) * std::size_t(h), glm::vec3(0.0F)),
-          transmittance(radiance.size(), 1.0F), depth_m(radiance.size(), 0.0F) {}
+          transmittance(radiance.size(), 1.0F), depth_m(radiance.size(), 0.0F), spread_m(radiance.size(), 0.0F) {}
 };
 
 // The 16 real SH functions up to band 3 at a unit direction, in SkySh's order and signs.
