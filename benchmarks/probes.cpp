@@ -168,7 +168,8 @@ void blend(const Context& context) {
     std::vector<ProbeLine> out(receivers * light.lines);
     std::vector<ProbeLine> expected(receivers * light.lines);
     std::vector<ProbeLine> few(512 * light.lines);
-    for (const auto& [name, positions] : {std::pair{"anywhere", &anywhere}, std::pair{"in herds", &herds}}) {
+    for (const auto& [name, where] : {std::pair{"anywhere", &anywhere}, std::pair{"in herds", &herds}}) {
+        const auto* positions = where; // Clang 14 captures no structured binding
         probes::blend_reference(grid, light, *positions, expected);
         probes::blend(grid, light, *positions, out);
         double worst = 0.0;
