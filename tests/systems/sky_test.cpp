@@ -105,6 +105,76 @@ TYPED_TEST(SkySystems, BandsFollowTheDemand) {
     EXPECT_GT(this->registry.template get<SkyLightSh>(this->place).coefficients[0].y, 0.0F);
 }
 
+TYPED_TEST(SkySystems, TablesAreBuiltForReadersAndKept) {
+    auto& air = this->registry.template get<Atmosphere>(this->place);
+    air.model = SkyModel::scattering;
+    // Nobody reads a table, and the fit has the SH: no table.
+    this->receiver(3);
+    const SystemReport none = update_sky(this->registry, this->frame);
+    EXPECT_EQ(none.tables_rebuilt, 0U);
+    EXPECT_EQ(this->registry.template get<SkyTables>(this->place).sun_view, nullptr);
+    EXPECT_EQ(update_sky_light(this->registry, this->frame).updated, 1U);
+    EXPECT_GT(this->registry.template get<SkyLightSh>(this->place).coefficients[0].z, 0.0F);
+    const auto reader = this->registry.create();
+    this->registry.template emplace<SkyTableReader>(reader);
+    const SystemReport first = update_sky(this->registry, this->frame);
+    EXPECT_EQ(first.tables_rebuilt, 2U); // the atmosphere and the view
+    EXPECT_EQ(first.updated, 0U);        // the state stands
+    const auto view = this->registry.template get<SkyTables>(this->place).sun_view;
+    ASSERT_NE(view, nullptr);
+    const SystemReport again = update_sky(this->registry, this->frame);
+    EXPECT_EQ(again.tables_rebuilt, 0U);
+    EXPECT_EQ(again.tables_kept, 2U);
+    // The sun moves: the view alone.
+    this->registry.template get<CelestialState>(this->place).to_sun = towards(33.0);
+    EXPECT_EQ(update_sky(this->registry, this->frame).tables_rebuilt, 1U);
+    EXPECT_NE(this->registry.template get<SkyTables>(this->place).sun_view, view);
+    // A bad air keeps sky and tables.
+    const auto before = this->registry.template get<SkyTables>(this->place).atmosphere;
+    this->registry.template get<Atmosphere>(this->place).turbidity = std::nanf("");
+    const SystemReport bad = update_sky(this->registry, this->frame);
+    EXPECT_EQ(bad.rejected, 1U);
+    EXPECT_EQ(bad.tables_rebuilt, 0U);
+    EXPECT_EQ(this->registry.template get<SkyTables>(this->place).atmosphere, before);
+    // Not seen, not built; another model drops them.
+    this->registry.template get<Atmosphere>(this->place) = {};
+    update_sky(this->registry, this->frame);
+    EXPECT_EQ(this->registry.template get<SkyTables>(this->place).atmosphere, nullptr);
+}
+
+TYPED_TEST(SkySystems, AltitudeComesFromTheObserver) {
+    auto& air = this->registry.template get<Atmosphere>(this->place);
+    air.model = SkyModel::scattering;
+    this->receiver(3);
+    this->registry.template emplace<Observer>(this->place).height_m = 12000.0;
+    // The fit knows sea level only: the SH ask for the view.
+    EXPECT_EQ(update_sky(this->registry, this->frame).tables_rebuilt, 2U);
+    update_sky_light(this->registry, this->frame);
+    const float high = this->registry.template get<SkyLightSh>(this->place).coefficients[0].z;
+    const float sun = this->registry.template get<SkyState>(this->place).sun_illuminance_lux.z;
+    this->registry.template get<Observer>(this->place).height_m = 0.0;
+    EXPECT_EQ(update_sky(this->registry, this->frame).updated, 1U);
+    update_sky_light(this->registry, this->frame);
+    EXPECT_LT(high, 0.5F * this->registry.template get<SkyLightSh>(this->place).coefficients[0].z);
+    EXPECT_GT(sun, 1.1F * this->registry.template get<SkyState>(this->place).sun_illuminance_lux.z);
+    this->registry.template get<Observer>(this->place).height_m = 1e6;
+    EXPECT_EQ(update_sky(this->registry, this->frame).rejected, 1U);
+}
+
+TYPED_TEST(SkySystems, EveryModelMakesALightAndASky) {
+    this->receiver(5);
+    for (const SkyModel model : {SkyModel::preetham, SkyModel::perez, SkyModel::cie_clear, SkyModel::cie_overcast,
+                                 SkyModel::asrc_cie, SkyModel::cie_general, SkyModel::scattering}) {
+        this->registry.template get<Atmosphere>(this->place).model = model;
+        EXPECT_EQ(update_sky(this->registry, this->frame).updated, 1U);
+        EXPECT_EQ(update_sky_light(this->registry, this->frame).updated, 1U);
+        // Daylight at 30 degrees: 5 to 60 klux from the sky.
+        const float c = this->registry.template get<SkyLightSh>(this->place).coefficients[0].y;
+        EXPECT_GT(c, 2e3F) << int(model);
+        EXPECT_LT(c, 6e4F) << int(model);
+    }
+}
+
 TYPED_TEST(SkySystems, AnEmptySceneDoesNothing) {
     TypeParam empty;
     EXPECT_EQ(update_sky(empty, this->frame).considered, 0U);

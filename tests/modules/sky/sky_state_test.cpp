@@ -28,7 +28,7 @@ struct Light {
 
 Light light_of(const SkyState& state) {
     Light light{};
-    project_sky_state(state, 7, light.sky);
+    project_sky_state(state, nullptr, 7, light.sky);
     light.sun = luminance(state.sun_illuminance_lux);
     light.moon = luminance(state.moon_illuminance_lux);
     // Irradiance on level ground from the zonal terms.
@@ -146,8 +146,13 @@ TEST(SkyState, ADayOfLight) {
     celestial.to_moon = towards(60.0, 180.0);
     const SkyState moonlit = make_sky_state(celestial, atmosphere);
     EXPECT_GT(luminance(moonlit.moon_illuminance_lux), 0.15);
-    EXPECT_GT(luminance(moonlit.night_radiance_cd_m2), 3e-3); // measured full-moon skies: 0.005 to 0.02 cd/m^2
-    EXPECT_LT(luminance(moonlit.night_radiance_cd_m2), 3e-2);
+    // Measured full-moon skies: 0.005 to 0.02 cd/m^2. Brighter around the moon than away from it.
+    const std::array<glm::vec3, 3> directions{towards(90.0, 0.0), towards(62.0, 180.0), towards(40.0, 0.0)};
+    std::array<glm::vec3, 3> radiance{};
+    sky_radiance(moonlit, nullptr, directions, radiance);
+    EXPECT_GT(luminance(radiance[0]), 3e-3);
+    EXPECT_LT(luminance(radiance[0]), 3e-2);
+    EXPECT_GT(luminance(radiance[1]), 1.5 * luminance(radiance[2]));
 }
 
 TEST(SkyState, RadianceGoesWithItsSh) {

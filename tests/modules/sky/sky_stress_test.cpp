@@ -90,7 +90,7 @@ TEST_F(SkyStress, StatesAndTheirSh) {
             ASSERT_TRUE(valid(glm::dvec3(state.moon_illuminance_lux)));
             ASSERT_TRUE(valid(glm::dvec3(state.night_radiance_cd_m2)));
             std::array<glm::vec3, 49> c{};
-            project_sky_state(state, 7, c);
+            project_sky_state(state, nullptr, 7, c);
             ASSERT_TRUE(valid(glm::dvec3(c[0])));
             for (const glm::vec3& value : c) {
                 ASSERT_TRUE(std::isfinite(value.x + value.y + value.z));

@@ -12,7 +12,7 @@
 
 namespace alpenglow {
 
-// Writes SkyLightSh to every entity with SkyState, at the most bands that a visible SkyLightReceiver asks for; without
+// Writes SkyLightSh to every entity with SkyState, whatever its model, at the most bands that a visible SkyLightReceiver asks for; without
 // one there is no work. Coefficients are kept while the SkyState they were made from stands and they have bands enough,
 // so that their error is that of the SkyState (update_sky keeps it within Atmosphere::max_error).
 template <Registry R>
@@ -34,7 +34,7 @@ SystemReport update_sky_light(R& registry, const Frame& /*frame*/) {
             return;
         }
         SkyLightSh light;
-        sky::project_sky_state(state, demand, light.coefficients);
+        sky::project_sky_state(state, registry.template try_get<SkyTables>(entity), demand, light.coefficients);
         light.bands = demand;
         light.made_from_to_sun = state.to_sun;
         light.sky_revision = state.revision;
