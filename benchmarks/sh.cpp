@@ -72,13 +72,14 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
     return norm(d);
 }
 
-// Adds a row for each instruction set that the machine has. `error` is evaluated after a run on that set.
+// Adds a row for each instruction set that the machine has. `error` is evaluated after a run on that set. `one_lane`:
+// the same code in plain scalar float too, which is the like-for-like scalar of the batch.
 void run_batches(const Context& context, Row row, const std::function<void()>& call,
-                 const std::function<double()>& error) {
+                 const std::function<double()>& error, bool one_lane = false) {
     for (const auto& [target, name] :
-         {std::pair{sh::BatchTarget::sse4, "batch SSE4"}, std::pair{sh::BatchTarget::avx2, "batch AVX2"},
-          std::pair{sh::BatchTarget::avx512, "batch AVX-512"}}) {
-        if (sh::limit_batch_target(target)) {
+         {std::pair{sh::BatchTarget::scalar, "batch, one lane"}, std::pair{sh::BatchTarget::sse4, "batch SSE4"},
+          std::pair{sh::BatchTarget::avx2, "batch AVX2"}, std::pair{sh::BatchTarget::avx512, "batch AVX-512"}}) {
+        if ((one_lane || target != sh::BatchTarget::scalar) && sh::limit_batch_target(target)) {
             row.method = name;
             call();
             row.error = error();
@@ -223,6 +224,98 @@ void products(const Context& context) {
     }
 }
 
+void triple_products(const Context& context) {
+    Random random;
+    for (const int order : {3, 4, 5, 6}) {
+        BatchBuffer f(static_cast<std::size_t>(order * order), count), g(f.rows(), count), h(f.rows(), count);
+        random.fill(f);
+        random.fill(g);
+        random.fill(h);
+        BatchBuffer out(1, count), matrix(f.rows() * f.rows(), count);
+        std::vector<std::vector<double>> fs, gs, hs, matrices;
+        for (std::size_t k = 0; k < count; ++k) {
+            fs.push_back(item(f, k));
+            gs.push_back(item(g, k));
+            hs.push_back(item(h, k));
+        }
+        Row row = make_row("triple product", order, "max over 256 random triples, relative to the norms");
+        context.run(row, [&] {
+            for (std::size_t k = 0; k < count; ++k) {
+                keep(sh::triple_product(order, fs[k], gs[k], hs[k]));
+            }
+        });
+        run_batches(
+            context, row, [&] { sh::triple_product(order, f.view(), g.view(), h.view(), out.view()); },
+            [&] {
+                double w = 0.0;
+                for (std::size_t k = 0; k < count; ++k) {
+                    w = std::max(w, std::abs(static_cast<double>(out.row(0)[k]) -
+                                             sh::triple_product(order, fs[k], gs[k], hs[k])) /
+                                        (norm(fs[k]) * norm(gs[k]) * norm(hs[k])));
+                }
+                return w;
+            });
+        row = make_row("product matrix", order, "max L2 over 16 of 256 random vectors, relative to the norm");
+        std::vector<double> expected(matrix.rows());
+        context.run(row, [&] {
+            for (std::size_t k = 0; k < count; ++k) {
+                sh::product_matrix(order, fs[k], expected);
+                keep(expected.front());
+            }
+        });
+        run_batches(
+            context, row, [&] { sh::product_matrix(order, f.view(), matrix.view()); },
+            [&] {
+                double w = 0.0;
+                for (std::size_t k = 0; k < count; k += 16) {
+                    sh::product_matrix(order, fs[k], expected);
+                    w = std::max(w, distance(item(matrix, k), expected) / norm(fs[k]));
+                }
+                return w;
+            });
+    }
+}
+
+void project_samples(const Context& context) {
+    constexpr std::size_t samples = 4096;
+    Random random;
+    const BatchBuffer d = random.directions(samples);
+    BatchBuffer values(3, samples);
+    random.fill(values);
+    std::vector<float> weights(samples);
+    std::vector<double> double_weights;
+    std::vector<glm::dvec3> directions, colours;
+    double total = 0.0;
+    for (std::size_t k = 0; k < samples; ++k) {
+        weights[k] = static_cast<float>(random.uniform());
+        double_weights.push_back(static_cast<double>(weights[k]));
+        directions.emplace_back(d.row(0)[k], d.row(1)[k], d.row(2)[k]);
+        colours.emplace_back(values.row(0)[k], values.row(1)[k], values.row(2)[k]);
+        total += double_weights[k] * glm::length(colours[k]);
+    }
+    for (const int order : {3, 5, 6}) {
+        const auto n = static_cast<std::size_t>(order * order);
+        std::vector<glm::dvec3> expected(n);
+        std::vector<double> out(3 * n);
+        Row row =
+            make_row("project a sample, RGB", order, "max of a coefficient, relative to the sum of |weights values|");
+        row.items = static_cast<double>(samples);
+        context.run(row, [&] {
+            sh::project_samples(order, directions, std::span<const glm::dvec3>(colours), double_weights,
+                                std::span<glm::dvec3>(expected));
+        });
+        run_batches(
+            context, row, [&] { sh::project_samples(order, d.view(), values.view(), 3, weights, out); },
+            [&] {
+                double w = 0.0;
+                for (std::size_t i = 0; i < n; ++i) {
+                    w = std::max(w, glm::length(glm::dvec3(out[i], out[n + i], out[2 * n + i]) - expected[i]));
+                }
+                return w / total;
+            });
+    }
+}
+
 void rotations(const Context& context) {
     Random random;
     for (const int order : {3, 5, 6}) {
@@ -308,34 +401,36 @@ void rotations(const Context& context) {
 }
 
 void cube_maps(const Context& context) {
-    constexpr int size = 64;
-    Random random;
-    std::array<std::vector<float>, 6> pixels;
-    sh::CubeMap map;
-    map.size = size;
-    for (std::size_t face = 0; face < 6; ++face) {
-        pixels[face].resize(static_cast<std::size_t>(3 * size * size));
-        std::generate(pixels[face].begin(), pixels[face].end(), [&] { return static_cast<float>(random.uniform()); });
-        map.faces[face] = pixels[face];
-    }
-    for (const int order : {3, 5}) {
-        std::vector<glm::dvec3> expected(static_cast<std::size_t>(order * order));
-        std::vector<glm::vec3> out(expected.size());
-        Row row = make_row("project a cube map 64^2, RGB, a pixel", order,
-                           "max absolute of a coefficient, relative to the mean's");
-        row.items = 6.0 * size * size;
-        context.run(row,
-                    [&] { static_cast<void>(sh::project_reference(map, order, std::span<glm::dvec3>(expected))); });
-        const sh::CubeProjector projector = *sh::CubeProjector::make(size, order);
-        run_batches(
-            context, row, [&] { static_cast<void>(projector.project(map, out)); },
-            [&] {
-                double w = 0.0;
-                for (std::size_t i = 0; i < out.size(); ++i) {
-                    w = std::max(w, glm::length(glm::dvec3(out[i]) - expected[i]));
-                }
-                return w / glm::length(expected[0]);
-            });
+    for (const int size : {16, 64, 256}) {
+        Random random;
+        std::array<std::vector<float>, 6> pixels;
+        sh::CubeMap map;
+        map.size = size;
+        for (std::size_t face = 0; face < 6; ++face) {
+            pixels[face].resize(static_cast<std::size_t>(3 * size * size));
+            std::generate(pixels[face].begin(), pixels[face].end(),
+                          [&] { return static_cast<float>(random.uniform()); });
+            map.faces[face] = pixels[face];
+        }
+        for (const int order : {3, 5}) {
+            std::vector<glm::dvec3> expected(static_cast<std::size_t>(order * order));
+            std::vector<glm::vec3> out(expected.size());
+            Row row = make_row("project a cube map " + std::to_string(size) + "^2, RGB, a pixel", order,
+                               "max absolute of a coefficient, relative to the mean's");
+            row.items = 6.0 * size * size;
+            context.run(row,
+                        [&] { static_cast<void>(sh::project_reference(map, order, std::span<glm::dvec3>(expected))); });
+            const sh::CubeProjector projector = *sh::CubeProjector::make(size, order);
+            run_batches(
+                context, row, [&] { static_cast<void>(projector.project(map, out)); },
+                [&] {
+                    double w = 0.0;
+                    for (std::size_t i = 0; i < out.size(); ++i) {
+                        w = std::max(w, glm::length(glm::dvec3(out[i]) - expected[i]));
+                    }
+                    return w / glm::length(expected[0]);
+                });
+        }
     }
 }
 
@@ -405,7 +500,61 @@ void deringing(const Context& context) {
             }
         });
         run_batches(
-            context, row, [&] { run(options); }, worst);
+            context, row, [&] { run(options); }, worst, true);
+    }
+}
+
+// Orders 4 to 6: a certified bound and the window from it.
+void deringing_of_higher_orders(const Context& context) {
+    constexpr std::size_t n = 64;
+    Random random;
+    for (const int order : {4, 5, 6}) {
+        BatchBuffer in(static_cast<std::size_t>(order * order), n), out(in.rows(), n);
+        std::vector<std::vector<double>> lights;
+        for (std::size_t k = 0; k < n; ++k) {
+            std::vector<double> f(in.rows());
+            std::array<double, 6> z{};
+            sh::zonal_hemisphere(order, 1.0, 0.2, z);
+            sh::add_zonal(order, z, glm::dvec3(0.0, 0.0, 1.0), 1.0, std::span<double>(f));
+            sh::zonal_delta(order, z);
+            sh::add_zonal(order, z, random.direction(), std::exp(4.0 * random.uniform()), std::span<double>(f));
+            sh::zonal_cone(order, 0.2 + 2.0 * random.uniform(), z);
+            sh::add_zonal(order, z, random.direction(), 3.0 * random.uniform(), std::span<double>(f));
+            for (std::size_t i = 0; i < f.size(); ++i) {
+                in.row(i)[k] = static_cast<float>(f[i]);
+                f[i] = static_cast<double>(in.row(i)[k]);
+            }
+            lights.push_back(f);
+        }
+        for (const auto& [signal, name] :
+             {std::pair{sh::Signal::irradiance, "irradiance"}, std::pair{sh::Signal::radiance, "radiance"}}) {
+            sh::DeringOptions options;
+            options.signal = signal;
+            Row row = make_row(std::string("dering a channel, exact, blend, ") + name, order,
+                               "largest negative value left / average, bound certified to 1e-5, 16 of 64 lights");
+            row.reference = "branch and bound in double";
+            row.items = 8.0;
+            context.run(row, [&] {
+                for (std::size_t k = 0; k < 8; ++k) {
+                    keep(sh::find_window(order, lights[k], options).strength);
+                }
+            });
+            row.items = static_cast<double>(n);
+            run_batches(
+                context, row, [&] { sh::dering(order, 1, in, out, options); },
+                [&] {
+                    double w = 0.0;
+                    for (std::size_t k = 0; k < n; k += 4) {
+                        std::vector<double> f = item(out, k);
+                        if (signal == sh::Signal::irradiance) {
+                            sh::irradiance(order, f, std::span<double>(f));
+                        }
+                        const double mean = 0.28209479177387814 * f[0];
+                        w = std::max(w, -sh::certified_minimum(order, f, 1e-5 * mean).value / mean);
+                    }
+                    return w;
+                });
+        }
     }
 }
 
@@ -486,9 +635,12 @@ void blending(const Context& context) {
 const Case cases[] = {{"sh/evaluate-basis", evaluate_basis},
                       {"sh/evaluate-dot", evaluate_dot},
                       {"sh/product", products},
+                      {"sh/triple-product", triple_products},
+                      {"sh/project-samples", project_samples},
                       {"sh/rotate", rotations},
                       {"sh/cube-map", cube_maps},
                       {"sh/dering", deringing},
+                      {"sh/dering-orders", deringing_of_higher_orders},
                       {"sh/probe-update", probe_update},
                       {"sh/blend", blending}};
 

@@ -27,26 +27,51 @@ struct EvaluateBasis {
     }
 };
 
-// Four partial sums, so that additions do not wait for each other.
-struct Sums {
-    V sum[4];
-    HWY_INLINE Sums() {
-        for (V& s : sum) {
-            s = hn::Zero(d);
+// Own coefficients: those of each m are summed over l against Q_l^m first, so that the azimuth is multiplied in once.
+template <int M_, int Order, int L>
+HWY_INLINE void own_column(const float* f, std::size_t stride, V z, V z2, V previous, V before, V& cosine, V& sine) {
+    if constexpr (L < Order) {
+        const V q = legendre<L, M_>(z, z2, previous, before);
+        const V a = load(f + index(L, M_) * stride);
+        cosine = L == M_ ? hn::Mul(q, a) : hn::MulAdd(q, a, cosine);
+        if constexpr (M_ > 0) {
+            const V b = load(f + index(L, -M_) * stride);
+            sine = L == M_ ? hn::Mul(q, b) : hn::MulAdd(q, b, sine);
         }
+        own_column<M_, Order, L + 1>(f, stride, z, z2, q, previous, cosine, sine);
     }
-    HWY_INLINE V total() const { return hn::Add(hn::Add(sum[0], sum[1]), hn::Add(sum[2], sum[3])); }
-};
+}
 
-struct OwnDot : Sums {
-    const float* coefficients;
-    std::size_t stride;
-    HWY_INLINE OwnDot(const float* c, std::size_t s) : coefficients(c), stride(s) {}
-    template <int I>
-    HWY_INLINE void put(V y) {
-        sum[I % 4] = hn::MulAdd(y, load(coefficients + I * stride), sum[I % 4]);
+// Two partial sums, so that additions do not wait for each other.
+template <int M_, int Order>
+HWY_INLINE V own_columns(const float* f, std::size_t stride, V x, V y, V z, V z2, V re, V im, V even, V odd) {
+    if constexpr (M_ < Order) {
+        V cosine = even, sine = even;
+        own_column<M_, Order, M_>(f, stride, z, z2, z, z, cosine, sine);
+        V& sum = M_ % 2 == 0 ? even : odd;
+        sum = hn::MulAdd(re, cosine, hn::MulAdd(im, sine, sum));
+        const V next_re = hn::MulSub(x, re, hn::Mul(y, im));
+        const V next_im = hn::MulAdd(x, im, hn::Mul(y, re));
+        return own_columns<M_ + 1, Order>(f, stride, x, y, z, z2, next_re, next_im, even, odd);
     }
-};
+    return hn::Add(even, odd);
+}
+
+// Order 3 with each monomial taken once.
+HWY_INLINE V own_quadratic(const float* f, std::size_t stride, V x, V y, V z) {
+    constexpr double k0 = detail::basis_tables.seed[0], k1 = detail::basis_tables.poly[1][0][0];
+    constexpr double k2 = 2.0 * detail::basis_tables.seed[2];
+    constexpr double c20 = detail::basis_tables.poly[2][0][0], k20 = detail::basis_tables.poly[2][0][1];
+    const auto row = [&](std::size_t i) { return load(f + i * stride); };
+    const V half = hn::Mul(constant(0.5), row(8));
+    const V linear = hn::NegMulAdd(x, row(3), hn::NegMulAdd(y, row(1), hn::Mul(z, row(2))));
+    const V by_x = hn::MulAdd(y, row(4), hn::NegMulAdd(z, row(7), hn::Mul(x, half)));
+    const V by_y = hn::MulAdd(z, row(5), hn::Mul(y, half));
+    const V quadratic = hn::NegMulAdd(y, by_y, hn::Mul(x, by_x));
+    const V zonal = hn::MulAdd(hn::Mul(constant(k20), z), z, constant(c20));
+    return hn::MulAdd(constant(k2), quadratic,
+                      hn::MulAdd(constant(k1), linear, hn::MulAdd(zonal, row(6), hn::Mul(constant(k0), row(0)))));
+}
 
 template <int Degree>
 HWY_INLINE V horner(const float* c, V z) {
@@ -94,9 +119,22 @@ struct EvaluateOwn {
     template <int Order>
     HWY_INLINE void run() const {
         for (std::size_t k = 0; k < directions.count; k += lanes()) {
-            OwnDot sink(coefficients.data + k, coefficients.stride);
-            basis<Order>(load(directions.row(0) + k), load(directions.row(1) + k), load(directions.row(2) + k), sink);
-            store(sink.total(), values.data + k);
+            const float* f = coefficients.data + k;
+            const std::size_t stride = coefficients.stride;
+            V x = load(directions.row(0) + k), y = load(directions.row(1) + k);
+            const V z = load(directions.row(2) + k);
+            V value;
+            if constexpr (Order == 3) {
+                value = own_quadratic(f, stride, x, y, z);
+            } else {
+                const V z2 = hn::Mul(z, z), zero = hn::Zero(d);
+                V zonal = zero, unused = zero;
+                own_column<0, Order, 0>(f, stride, z, z2, z, z, zonal, unused);
+                x = hn::Neg(x);
+                y = hn::Neg(y);
+                value = own_columns<1, Order>(f, stride, x, y, z, z2, x, y, zonal, zero);
+            }
+            store(value, values.data + k);
         }
     }
 };

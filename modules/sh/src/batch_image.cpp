@@ -5,6 +5,7 @@
 
 #include <alpenglow/sh/image.hpp>
 
+#include "cube_tables.hpp"
 #include "image_check.hpp"
 #include "simd-inl.h"
 #include <alpenglow/sh/gauss_legendre.hpp>
@@ -138,16 +139,61 @@ HWY_INLINE void fold_rows(Tag tag, const CubeMap& map, int axis, std::size_t beg
     }
 }
 
-void cube_kernel(const CubeMap& map, int order, const float* table, std::size_t row_floats, double* sums,
-                 std::size_t* bad_out) {
+// The basis times the solid angles of rows [begin, end) of the octant, coefficient i from out + i * stride on.
+struct CubeWeights {
+    detail::CubeTables tables;
+    int axis;
+    std::size_t half, begin, end;
+    float* out;
+    std::size_t stride;
+
+    struct Sink {
+        V weight;
+        float* out;
+        std::size_t stride;
+        template <int I>
+        HWY_INLINE void put(V v) const {
+            store(hn::Mul(weight, v), out + I * stride);
+        }
+    };
+    template <int Order>
+    HWY_INLINE void run() const {
+        const std::size_t plane = half * tables.row_floats;
+        for (std::size_t i = begin; i < end; ++i) {
+            const float* scales = tables.table + i * tables.row_floats;
+            for (std::size_t j = 0; j < tables.row_floats; j += lanes()) {
+                const V scale = load(scales + j);
+                const V s = hn::Mul(load(tables.centre + j), scale), t = hn::Mul(hn::Set(d, tables.centre[i]), scale);
+                Sink sink{load(scales + plane + j), out + (i - begin) * tables.row_floats + j, stride};
+                basis<Order>(axis == 0 ? scale : s, axis == 1 ? scale : t, axis == 2 ? scale : axis == 1 ? t : s, sink);
+            }
+        }
+    }
+};
+
+void cube_kernel(const CubeMap& map, int order, const detail::CubeTables& tables, double* sums, std::size_t* bad_out) {
     const auto half = static_cast<std::size_t>((map.size + 1) / 2);
     const auto count = static_cast<std::size_t>(coefficient_count(order));
-    const std::size_t plane_floats = half * row_floats;
+    const std::size_t row_floats = tables.row_floats, plane_floats = half * row_floats;
     // Blocks of rows small enough for the second-level cache; planes that do not alias in the first.
     const std::size_t rows = std::clamp<std::size_t>(512 / row_floats, 1, half);
     const std::size_t plane = rows * row_floats + 16;
-    const hwy::AlignedFreeUniquePtr<float[]> folded = hwy::AllocateAligned<float>(24 * plane);
-    std::size_t bad = 0;
+    const std::size_t weight_floats = tables.centre != nullptr ? count * plane : 0;
+    const hwy::AlignedFreeUniquePtr<float[]> folded =
+        hwy::AllocateAligned<float>(24 * plane + weight_floats + 3 * count * lanes());
+    float* const made = folded.get() + 24 * plane;
+    float* const partial = made + weight_floats; // sums not yet added up, of `pending` terms
+    std::fill_n(partial, 3 * count * lanes(), 0.0F);
+    std::size_t pending = 0, bad = 0;
+    // Float sums of 32 terms, then double.
+    constexpr std::size_t most_terms = 32;
+    const auto add_up = [&] {
+        for (std::size_t i = 0; i < 3 * count && pending > 0; ++i) {
+            sums[i] += static_cast<double>(hn::GetLane(hn::SumOfLanes(d, load(partial + i * lanes()))));
+            store(hn::Zero(d), partial + i * lanes());
+        }
+        pending = 0;
+    };
     for (int axis = 0; axis < 3; ++axis) {
         for (std::size_t begin = 0; begin < half; begin += rows) {
             const std::size_t end = std::min(half, begin + rows);
@@ -156,33 +202,44 @@ void cube_kernel(const CubeMap& map, int order, const float* table, std::size_t 
             } else {
                 fold_rows(hn::CappedTag<float, 8>(), map, axis, begin, end, row_floats, folded.get(), plane, bad);
             }
+            if (tables.centre != nullptr) {
+                for_order(order, CubeWeights{tables, axis, half, begin, end, made, plane});
+            }
             const std::size_t floats = (end - begin) * row_floats;
-            for (int l = 0; l < order; ++l) {
-                for (int m = -l; m <= l; ++m) {
-                    const auto i = static_cast<std::size_t>(index(l, m));
-                    const int am = m < 0 ? -m : m;
-                    const int parity = ((am + (m < 0 ? 1 : 0)) % 2) | (m < 0 ? 2 : 0) | ((l - am) % 2 != 0 ? 4 : 0);
-                    const float* weights =
-                        table + (static_cast<std::size_t>(axis) * count + i) * plane_floats + begin * row_floats;
-                    const float* values = folded.get() + static_cast<std::size_t>(3 * parity) * plane;
-                    // Float sums of 32 terms, then double.
-                    for (std::size_t first = 0; first < floats; first += 32 * lanes()) {
-                        const std::size_t last = std::min(floats, first + 32 * lanes());
-                        V r = hn::Zero(d), g = r, b = r;
+            for (std::size_t first = 0; first < floats; first += most_terms * lanes()) {
+                const std::size_t last = std::min(floats, first + most_terms * lanes());
+                if (pending + (last - first) / lanes() > most_terms) {
+                    add_up();
+                }
+                pending += (last - first) / lanes();
+                for (int l = 0; l < order; ++l) {
+                    for (int m = -l; m <= l; ++m) {
+                        const auto i = static_cast<std::size_t>(index(l, m));
+                        const int am = m < 0 ? -m : m;
+                        const int parity = ((am + (m < 0 ? 1 : 0)) % 2) | (m < 0 ? 2 : 0) | ((l - am) % 2 != 0 ? 4 : 0);
+                        const float* weights = tables.centre != nullptr
+                                                   ? made + i * plane
+                                                   : tables.table +
+                                                         (static_cast<std::size_t>(axis) * count + i) * plane_floats +
+                                                         begin * row_floats;
+                        const float* values = folded.get() + static_cast<std::size_t>(3 * parity) * plane;
+                        float* sum = partial + 3 * i * lanes();
+                        V r = load(sum), g = load(sum + lanes()), b = load(sum + 2 * lanes());
                         for (std::size_t k = first; k < last; k += lanes()) {
                             const V w = load(weights + k);
                             r = hn::MulAdd(w, load(values + k), r);
                             g = hn::MulAdd(w, load(values + plane + k), g);
                             b = hn::MulAdd(w, load(values + 2 * plane + k), b);
                         }
-                        sums[3 * i] += static_cast<double>(hn::GetLane(hn::SumOfLanes(d, r)));
-                        sums[3 * i + 1] += static_cast<double>(hn::GetLane(hn::SumOfLanes(d, g)));
-                        sums[3 * i + 2] += static_cast<double>(hn::GetLane(hn::SumOfLanes(d, b)));
+                        store(r, sum);
+                        store(g, sum + lanes());
+                        store(b, sum + 2 * lanes());
                     }
                 }
             }
         }
     }
+    add_up();
     *bad_out = bad;
 }
 
@@ -287,10 +344,12 @@ Result<CubeProjector> CubeProjector::make(int size, int order, int supersampling
     p.order_ = order;
     p.supersampling_ = supersampling;
     const int half = (size + 1) / 2;
-    p.row_ = padded(static_cast<std::size_t>(half));
+    p.row_ = half == 8 ? 8 : padded(static_cast<std::size_t>(half)); // whole vectors: 8 rows of 8 are
     const auto count = static_cast<std::size_t>(coefficient_count(order));
     const std::size_t plane = static_cast<std::size_t>(half) * p.row_;
-    p.table_.assign(3 * count * plane, 0.0F);
+    const bool compact = half >= 64 && supersampling == 1;
+    p.table_.assign((compact ? 2 : 3 * count) * plane, 0.0F);
+    p.centre_.assign(compact ? p.row_ : 0, 0.0F);
     const bool odd = size % 2 != 0;
     std::array<double, max_coefficients> y;
     for (int i = 0; i < half; ++i) {
@@ -298,6 +357,14 @@ Result<CubeProjector> CubeProjector::make(int size, int order, int supersampling
             // The cell from the middle outwards; on an odd size the middle ones are half cells of mirrored pixels.
             const double first = odd ? -1.0 : 0.0;
             const auto edge = [&](int k) { return std::max(0.0, (2.0 * k + first) / size); };
+            if (compact) {
+                const std::size_t at = static_cast<std::size_t>(i) * p.row_ + static_cast<std::size_t>(j);
+                const double s = 0.5 * (edge(j) + edge(j + 1)), t = 0.5 * (edge(i) + edge(i + 1));
+                p.table_[at] = static_cast<float>(1.0 / std::sqrt(1.0 + s * s + t * t));
+                p.table_[plane + at] = static_cast<float>(cube_solid_angle(edge(j), edge(j + 1), edge(i), edge(i + 1)));
+                p.centre_[static_cast<std::size_t>(j)] = static_cast<float>(s);
+                continue;
+            }
             std::array<std::array<double, max_coefficients>, 3> integral{};
             for (int a = 0; a < supersampling; ++a) {
                 for (int b = 0; b < supersampling; ++b) {
@@ -336,7 +403,9 @@ Result<std::size_t> CubeProjector::project(const CubeMap& map, std::span<glm::ve
     }
     std::array<double, 3 * max_coefficients> sums{};
     std::size_t bad = 0;
-    HWY_DYNAMIC_DISPATCH(cube_kernel)(map, order_, table_.data(), row_, sums.data(), &bad);
+    HWY_DYNAMIC_DISPATCH(cube_kernel)
+    (map, order_, detail::CubeTables{table_.data(), centre_.empty() ? nullptr : centre_.data(), row_}, sums.data(),
+     &bad);
     for (std::size_t i = 0; i < count; ++i) {
         out[i] = glm::vec3(sums[3 * i], sums[3 * i + 1], sums[3 * i + 2]);
     }

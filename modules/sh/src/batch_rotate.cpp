@@ -7,6 +7,7 @@
 
 #include "rotation_tables.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -14,12 +15,68 @@ HWY_BEFORE_NAMESPACE();
 namespace alpenglow::sh::HWY_NAMESPACE {
 namespace {
 
-// One band: the inputs stay in registers, the matrix is read as broadcasts.
+// One band: blocks of four vectors of items by a few rows of the matrix stay in registers, so that each element is
+// broadcast once for the four. `in` is not `out`.
+template <int L, int Rows>
+HWY_INLINE void rotate_rows(const float* matrix, const float* in, std::size_t in_stride, float* out,
+                            std::size_t out_stride) {
+    constexpr int width = 2 * L + 1;
+    V sum[Rows][4];
+    HWY_UNROLL(16)
+    for (int n = 0; n < width; ++n) {
+        const float* source = in + static_cast<std::size_t>(n) * in_stride;
+        V e[Rows];
+        HWY_UNROLL(4)
+        for (int m = 0; m < Rows; ++m) {
+            e[m] = hn::Set(d, matrix[m * width + n]);
+        }
+        HWY_UNROLL(4)
+        for (int block = 0; block < 4; ++block) {
+            const V s = load(source + static_cast<std::size_t>(block) * lanes());
+            HWY_UNROLL(4)
+            for (int m = 0; m < Rows; ++m) {
+                sum[m][block] = n == 0 ? hn::Mul(e[m], s) : hn::MulAdd(e[m], s, sum[m][block]);
+            }
+        }
+    }
+    HWY_UNROLL(4)
+    for (int m = 0; m < Rows; ++m) {
+        HWY_UNROLL(4)
+        for (int block = 0; block < 4; ++block) {
+            store(sum[m][block],
+                  out + static_cast<std::size_t>(m) * out_stride + static_cast<std::size_t>(block) * lanes());
+        }
+    }
+}
+
 template <int L>
 HWY_INLINE void rotate_band(const float* matrix, const float* in, std::size_t in_stride, float* out,
                             std::size_t out_stride, std::size_t count) {
     constexpr int width = 2 * L + 1;
-    for (std::size_t k = 0; k < count; k += lanes()) {
+    HWY_ALIGN float copy[width * 4 * hn::MaxLanes(d)];
+    std::size_t k = 0;
+    // Sixteen lanes fetch an element with the operation that uses it.
+    for (; hn::MaxLanes(d) < 16 && k + 4 * lanes() <= padded(count); k += 4 * lanes()) {
+        const float* source = in + k;
+        std::size_t stride = in_stride;
+        if (in == out) {
+            stride = 4 * lanes();
+            for (std::size_t n = 0; n < static_cast<std::size_t>(width); ++n) {
+                std::copy_n(source + n * in_stride, stride, copy + n * stride);
+            }
+            source = copy;
+        }
+        int m = 0;
+        for (; m + 3 <= width; m += 3) {
+            rotate_rows<L, 3>(matrix + m * width, source, stride, out + static_cast<std::size_t>(m) * out_stride + k,
+                              out_stride);
+        }
+        for (; m < width; ++m) {
+            rotate_rows<L, 1>(matrix + m * width, source, stride, out + static_cast<std::size_t>(m) * out_stride + k,
+                              out_stride);
+        }
+    }
+    for (; k < count; k += lanes()) {
         V source[width];
         HWY_UNROLL(64)
         for (int n = 0; n < width; ++n) {
@@ -141,6 +198,87 @@ using DD = hn::CappedTag<double, 16>;
 using DF = hn::Rebind<float, DD>; // as many floats as a vector of doubles has lanes
 using VD = hn::Vec<DD>;
 
+// Orders up to 3 by the 3 x 3 matrix R itself: b -> R b, and A -> R A R^T for the quadratic part, a symmetric matrix
+// without trace. R is found in double: its own rounding would double the error.
+struct Matrix {
+    V r[3][3];
+};
+HWY_INLINE Matrix matrix_of(ConstBatch quaternions, std::size_t k) {
+    constexpr DD dd;
+    constexpr DF df;
+    HWY_ALIGN float entry[3][3][hn::MaxLanes(d)];
+    const auto put = [&](VD v, int row, int column, std::size_t at) {
+        hn::StoreU(hn::DemoteTo(df, v), df, entry[row][column] + at);
+    };
+    for (std::size_t at = 0; at < lanes(); at += hn::Lanes(dd)) {
+        const auto part = [&](std::size_t i) { return hn::PromoteTo(dd, hn::LoadU(df, quaternions.row(i) + k + at)); };
+        const VD x = part(0), y = part(1), z = part(2), w = part(3), one = hn::Set(dd, 1.0), two = hn::Set(dd, 2.0);
+        const VD sum = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::MulAdd(z, z, hn::Mul(w, w))));
+        // 1 / sum by Newton from 2 - sum: the quaternion is of unit length to 1e-3 at worst.
+        const VD first = hn::Sub(two, sum), inverse = hn::Mul(first, hn::NegMulAdd(sum, first, two));
+        const VD scale = hn::Add(inverse, inverse);
+        const VD sx = hn::Mul(scale, x), sy = hn::Mul(scale, y), sz = hn::Mul(scale, z);
+        const VD wx = hn::Mul(sx, w), wy = hn::Mul(sy, w), wz = hn::Mul(sz, w);
+        const VD not_x = hn::NegMulAdd(sx, x, one), zz = hn::Mul(sz, z);
+        put(hn::NegMulAdd(sy, y, hn::Sub(one, zz)), 0, 0, at);
+        put(hn::Sub(not_x, zz), 1, 1, at);
+        put(hn::NegMulAdd(sy, y, not_x), 2, 2, at);
+        put(hn::MulSub(sx, y, wz), 0, 1, at);
+        put(hn::MulAdd(sx, y, wz), 1, 0, at);
+        put(hn::MulAdd(sx, z, wy), 0, 2, at);
+        put(hn::MulSub(sx, z, wy), 2, 0, at);
+        put(hn::MulSub(sy, z, wx), 1, 2, at);
+        put(hn::MulAdd(sy, z, wx), 2, 1, at);
+    }
+    Matrix m;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            m.r[i][j] = hn::Load(d, entry[i][j]);
+        }
+    }
+    return m;
+}
+
+template <int Order>
+HWY_INLINE void rotate_quadratic(const Matrix& m, ConstBatch in, std::size_t k, Batch out) {
+    const auto row = [&](std::size_t i) { return load(in.row(i) + k); };
+    const auto dot = [](const V(&a)[3], V x, V y, V z) {
+        return hn::MulAdd(a[0], x, hn::MulAdd(a[1], y, hn::Mul(a[2], z)));
+    };
+    const auto& r = m.r;
+    const V x = row(3), y = row(1), z = hn::Neg(row(2)); // -b
+    V f[Order * Order];
+    f[0] = row(0);
+    f[1] = dot(r[1], x, y, z);
+    f[2] = hn::Neg(dot(r[2], x, y, z));
+    f[3] = dot(r[0], x, y, z);
+    if constexpr (Order == 3) {
+        const V third_root = constant(0.57735026918962576);
+        const V e = hn::Mul(third_root, row(6)), g = row(8), zz = hn::Add(e, e);
+        const V xx = hn::Sub(g, e), yy = hn::Neg(hn::Add(g, e)), xy = row(4), yz = hn::Neg(row(5)),
+                xz = hn::Neg(row(7));
+        // A R^T, row by row of R, then what is needed of R times it.
+        V t[3][3];
+        HWY_UNROLL(4)
+        for (int i = 0; i < 3; ++i) {
+            t[i][0] = dot(r[i], xx, xy, xz);
+            t[i][1] = dot(r[i], xy, yy, yz);
+            t[i][2] = dot(r[i], xz, yz, zz);
+        }
+        f[4] = dot(r[0], t[1][0], t[1][1], t[1][2]);
+        f[5] = hn::Neg(dot(r[1], t[2][0], t[2][1], t[2][2]));
+        f[6] = hn::Mul(constant(0.86602540378443865), dot(r[2], t[2][0], t[2][1], t[2][2]));
+        f[7] = hn::Neg(dot(r[0], t[2][0], t[2][1], t[2][2]));
+        // (xx - yy) / 2, from xx and zz: xx + yy = -zz.
+        const V new_xx = dot(r[0], t[0][0], t[0][1], t[0][2]), new_zz = dot(r[2], t[2][0], t[2][1], t[2][2]);
+        f[8] = hn::MulAdd(constant(0.5), new_zz, new_xx);
+    }
+    HWY_UNROLL(16)
+    for (int i = 0; i < Order * Order; ++i) {
+        store(f[i], out.row(static_cast<std::size_t>(i)) + k);
+    }
+}
+
 template <int Order>
 HWY_INLINE void store_multiples(VD c1, VD s1, Angles& angles, int which, std::size_t item) {
     constexpr DF df;
@@ -210,6 +348,12 @@ struct RotateOwn {
 
     template <int Order>
     HWY_INLINE void run() const {
+        if constexpr (Order == 2 || Order == 3) {
+            for (std::size_t k = 0; k < in.count; k += lanes()) {
+                rotate_quadratic<Order>(matrix_of(quaternions, k), in, k, out);
+            }
+            return;
+        }
         Angles angles;
         for (std::size_t begin = 0; begin < in.count; begin += Angles::items) {
             const std::size_t end = HWY_MIN(begin + Angles::items, padded(in.count));

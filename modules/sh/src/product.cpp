@@ -2,6 +2,8 @@
 
 #include <alpenglow/sh/project.hpp>
 
+#include "matrix_terms.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -76,7 +78,39 @@ void multiply(int order, std::span<const Real> f, std::span<const Real> g, std::
     }
 }
 
+detail::MatrixTerms make_matrix_terms(int order) {
+    const auto count = static_cast<std::size_t>(coefficient_count(order));
+    struct Term {
+        std::size_t row;
+        float factor;
+    };
+    std::vector<std::vector<Term>> sums(count * count);
+    for (const GauntEntry& e : gaunt_table(order)) {
+        for_permutations(e, [&](std::size_t a, std::size_t b, std::size_t c) {
+            sums[c * count + b].push_back({a, static_cast<float>(e.value)});
+        });
+    }
+    detail::MatrixTerms terms;
+    for (std::size_t row = 0; row < count; ++row) {
+        for (std::size_t column = row; column < count; ++column) {
+            for (const Term& term : sums[row * count + column]) {
+                terms.rows.push_back(term.row);
+                terms.factors.push_back(term.factor);
+            }
+            terms.entries.push_back({row, column, terms.rows.size()});
+        }
+    }
+    return terms;
+}
+
 } // namespace
+
+const detail::MatrixTerms& detail::matrix_terms(int order) {
+    static const std::array<MatrixTerms, max_order> tables{
+        make_matrix_terms(1), make_matrix_terms(2), make_matrix_terms(3), make_matrix_terms(4),
+        make_matrix_terms(5), make_matrix_terms(6), make_matrix_terms(7), make_matrix_terms(8)};
+    return tables[static_cast<std::size_t>(order - 1)];
+}
 
 std::span<const GauntEntry> gaunt_table(int order) {
     assert(order >= 1 && order <= max_order);

@@ -3,6 +3,7 @@
 
 #include <alpenglow/sh/batch.hpp>
 #include <alpenglow/sh/product.hpp>
+#include <alpenglow/sh/project.hpp>
 #include <alpenglow/sh/rotate.hpp>
 
 #include <cmath>
@@ -155,6 +156,79 @@ TEST_P(Batches, Products) {
             for (std::size_t i = 0; i < fk.size(); ++i) {
                 EXPECT_NEAR(static_cast<double>(h.row(i)[k]), expected[i], 5e-8 * test::norm(fk) * test::norm(gk))
                     << order;
+            }
+        }
+    }
+}
+
+TEST_P(Batches, TripleProductsAndProductMatrices) {
+    for (int order = 1; order <= max_order; ++order) {
+        const BatchBuffer f = coefficients(order), g = coefficients(order), h = coefficients(order);
+        BatchBuffer triple(1, count);
+        triple_product(order, f, g, h, triple);
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::vector<double> fk = item(f, k), gk = item(g, k), hk = item(h, k);
+            EXPECT_NEAR(static_cast<double>(triple.row(0)[k]), triple_product(order, fk, gk, hk),
+                        1e-7 * test::norm(fk) * test::norm(gk) * test::norm(hk))
+                << order;
+        }
+        if (order > 6) {
+            continue; // 4096 rows
+        }
+        const std::size_t n = f.rows();
+        BatchBuffer matrix(n * n, count);
+        product_matrix(order, f, matrix);
+        std::vector<double> expected(n * n);
+        for (std::size_t k = 0; k < count; k += 10) {
+            const std::vector<double> fk = item(f, k);
+            product_matrix(order, fk, expected);
+            for (std::size_t i = 0; i < n * n; ++i) {
+                EXPECT_NEAR(static_cast<double>(matrix.row(i)[k]), expected[i], 2e-7 * test::norm(fk)) << order;
+            }
+        }
+    }
+}
+
+TEST_P(Batches, ProjectionOfWeightedSamples) {
+    // Lengths about the kernel's tiles; two, three and four channels.
+    for (const std::size_t samples : {std::size_t{1}, std::size_t{100}, std::size_t{128}, std::size_t{1017}}) {
+        for (int order = 1; order <= max_order; ++order) {
+            const auto n = static_cast<std::size_t>(coefficient_count(order));
+            BatchBuffer d(3, samples), values(4, samples);
+            std::vector<glm::dvec3> directions;
+            std::vector<float> weights;
+            std::vector<double> double_weights;
+            for (std::size_t k = 0; k < samples; ++k) {
+                const glm::vec3 direction_k(random.direction());
+                directions.emplace_back(direction_k);
+                weights.push_back(static_cast<float>(random.uniform(0.0, 2.0)));
+                double_weights.push_back(static_cast<double>(weights.back()));
+                for (int i = 0; i < 3; ++i) {
+                    d.row(static_cast<std::size_t>(i))[k] = direction_k[i];
+                }
+                for (std::size_t c = 0; c < 4; ++c) {
+                    values.row(c)[k] = static_cast<float>(random.normal());
+                }
+            }
+            for (std::size_t c = 0; c < 4 && samples % 16 != 0; ++c) {
+                values.row(c)[samples] = std::numeric_limits<float>::quiet_NaN(); // padding is not read
+            }
+            for (const int channels : {1, 3, 4}) {
+                std::vector<double> out(static_cast<std::size_t>(channels) * n);
+                project_samples(order, d, values, channels, weights, out);
+                for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c) {
+                    std::vector<double> channel, expected(n);
+                    double total = 0.0;
+                    for (std::size_t k = 0; k < samples; ++k) {
+                        channel.push_back(static_cast<double>(values.row(c)[k]));
+                        total += std::abs(channel[k] * double_weights[k]);
+                    }
+                    project_samples(order, directions, channel, double_weights, expected);
+                    for (std::size_t i = 0; i < n; ++i) {
+                        EXPECT_NEAR(out[c * n + i], expected[i], (order <= 6 ? 3e-7 : 2e-6) * total)
+                            << order << ' ' << i;
+                    }
+                }
             }
         }
     }

@@ -102,6 +102,18 @@ void rotate_z(int order, ConstBatch cos_sin, ConstBatch in, Batch out);
 // Projections of the pointwise product f g on the bands below `order` (see product.hpp). out may be f or g.
 void product(int order, ConstBatch f, ConstBatch g, Batch out);
 
+// The integral of f g h over the sphere, one row: an entry a item.
+void triple_product(int order, ConstBatch f, ConstBatch g, ConstBatch h, Batch out);
+
+// The matrix of "multiply by f" of each item: entry (i, j) in row i * order^2 + j, order^4 rows. out is not f.
+void product_matrix(int order, ConstBatch f, Batch out);
+
+// One projection of many weighted samples: out[c * order^2 + i] = sum_k weights[k] values_c[k] Y_i(directions_k), with
+// rows x, y, z of directions, one row of values a channel, and as many weights as samples (padding
+// is not read). Sums of 32 terms are in float, then in double: error below 3e-7 of sum |weights values|.
+void project_samples(int order, ConstBatch directions, ConstBatch values, int channels, std::span<const float> weights,
+                     std::span<double> out);
+
 // out = sum over eight corners of weight * probe: trilinear blending out of a grid. probes: coefficient vectors one
 // after the other, `probe_stride` floats apart; receiver r blends probes corners[8 r + c] with weights[8 r + c] into
 // out[r * probe_stride ..]. `coefficients` floats each (27 for RGB at order 3); both strides hold them rounded up

@@ -37,7 +37,9 @@ struct EquirectMap {
 
 // Projects cube maps of one size again and again. The integrals of the basis over every pixel are tabulated once, for
 // one octant (the reflections x, y, z -> -x, -y, -z give the others their signs), so that supersampling costs nothing
-// per image and eight pixels cost one multiplication a coefficient. Tables: 3 (size/2)^2 order^2 floats.
+// per image and eight pixels cost one multiplication a coefficient. Tables: 3 (size/2)^2 order^2 floats. From 128 pixels
+// a side on and without supersampling only solid angles and distances are tabulated, 2 (size/2)^2 floats: evaluating the
+// basis is then faster than fetching it.
 class CubeProjector {
 public:
     // size 1 .. 16384, order 1 .. max_order, supersampling 1 .. 64.
@@ -53,8 +55,9 @@ public:
 private:
     CubeProjector() = default;
     int size_ = 0, order_ = 0, supersampling_ = 1;
-    std::size_t row_ = 0;      // floats a row of the octant, padded
-    std::vector<float> table_; // [axis][coefficient][row][column]
+    std::size_t row_ = 0;       // floats a row of the octant, padded
+    std::vector<float> table_;  // [axis][coefficient][row][column], or [1 / distance, solid angle][row][column]
+    std::vector<float> centre_; // of rows and columns, 0 .. 1, where the table is of the second kind
 };
 
 // One image, with a projector made for it; and an equirectangular map, whose pixel integrals are cheap. As above.
