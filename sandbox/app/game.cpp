@@ -41,6 +41,7 @@ void Game::update(double dt_s, int width, int height) {
     stage_.world_dt_s = clock().rate > 0.0 ? dt_s : 0.0;
     stage_.width = width;
     stage_.height = height;
+    stage_.quality = quality;
     reports_.clear();
     for (const std::unique_ptr<Part>& part : parts_) {
         part->begin(stage_);
@@ -61,6 +62,12 @@ void Game::update(double dt_s, int width, int height) {
     }
 }
 
+void Game::wait() {
+    for (const std::unique_ptr<Part>& part : parts_) {
+        part->wait();
+    }
+}
+
 void Game::enter(const Scene& scene) {
     clock() = {.utc_j2000_s = scene.utc_j2000_s, .rate = scene.time_rate};
     observer() = {.latitude_rad = scene.latitude_deg * degree_rad,
@@ -73,6 +80,7 @@ void Game::enter(const Scene& scene) {
     exposed_ = false;
     parts_.clear();
     frame_.probes = nullptr;
+    frame_.transfer = nullptr;
     parts_ = make_parts(stage_, scene);
 }
 

@@ -40,6 +40,10 @@ public:
     // What each system did in the last update, in order.
     [[nodiscard]] std::span<const SystemReport> reports() const { return reports_; }
 
+    // Waits for what goes on in the background, see Part::wait().
+    void wait();
+
+    Quality quality = Quality::lean; // of the renderer
     // What the player may turn.
     Camera camera;
     float exposure_bias_ev = 0.0F;

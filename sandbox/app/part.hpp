@@ -12,6 +12,7 @@
 
 #include "sandbox/app/lighting.hpp"
 #include "sandbox/world/camera.hpp"
+#include "sandbox/world/quality.hpp"
 #include "sandbox/world/render_data.hpp"
 #include "sandbox/world/world.hpp"
 
@@ -34,6 +35,7 @@ struct Stage {
     Frame frame;                        // dt_s: real time
     double world_dt_s = 0.0;            // real time while the scene's clock runs, 0 while it stands: for what moves
     int width = 0, height = 0;          // of the picture, pixels
+    Quality quality = Quality::lean;    // of the renderer
     CaptureFace capture{};              // empty without a renderer
 };
 
@@ -59,6 +61,8 @@ public:
     virtual void draw_panel(PanelWriter& /*panel*/) {}
     // A key that nobody else took, by its ASCII capital; true where the part takes it.
     virtual bool press(int /*key*/) { return false; }
+    // Waits for what goes on in the background, so that the frames to come do not depend on its pace: headless runs.
+    virtual void wait() {}
 };
 
 } // namespace alpenglow::sandbox

@@ -73,6 +73,7 @@ Result<std::unique_ptr<Session>> Session::create(const vulkan::Instance& instanc
         return renderer.error();
     }
     s.renderer = std::move(renderer).value();
+    s.game->quality = s.renderer->quality();
     s.game->capture_with([&s](const FrameData& frame, const glm::vec3& point_m, int face, std::span<glm::vec3> texels) {
         if (const Status captured = s.renderer->capture(frame, point_m, face, texels); !captured) {
             s.panel_.message = captured.error().message();
@@ -149,6 +150,9 @@ ImDrawData* Session::draw_hud() {
 
 Status Session::draw(double dt_s) {
     const VkExtent2D extent = renderer->extent();
+    if (window_ == nullptr) {
+        game->wait();
+    }
     const double cpu = process_cpu_seconds();
     const double wall = wall_seconds();
     game->update(dt_s, static_cast<int>(extent.width), static_cast<int>(extent.height));

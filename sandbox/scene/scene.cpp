@@ -119,6 +119,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
     const Json* camera = top.object("camera");
     const Json* exposure = top.object("exposure");
     const Json* probes = top.object("probes");
+    const Json* transfer = top.object("transfer");
     top.no_others();
     if (top.failed()) {
         return top.error();
@@ -171,6 +172,14 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
     if (probes != nullptr) {
         Reader section(*probes, file, "probes.");
         scene.probes = read_probe_settings(section);
+        section.no_others();
+        if (section.failed()) {
+            return section.error();
+        }
+    }
+    if (transfer != nullptr) {
+        Reader section(*transfer, file, "transfer.");
+        scene.transfer = read_transfer_settings(section);
         section.no_others();
         if (section.failed()) {
             return section.error();

@@ -11,6 +11,7 @@
 #include <alpenglow/core/result.hpp>
 
 #include "sandbox/scene/probe_settings.hpp"
+#include "sandbox/scene/transfer_settings.hpp"
 #include "sandbox/world/camera.hpp"
 #include "sandbox/world/quality.hpp"
 
@@ -35,6 +36,7 @@ struct Scene {
     float exposure_bias_ev = 0.0F;
     Quality quality = Quality::automatic;
     std::optional<ProbeSettings> probes; // a courtyard lit by probes, with things that move in it
+    std::optional<TransferSettings> transfer; // things on a meadow whose light is baked
 };
 
 inline constexpr std::string_view default_scene = "alpine-morning";

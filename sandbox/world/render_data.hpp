@@ -15,6 +15,7 @@ namespace alpenglow::sandbox {
 
 struct OverlayRenderData; // overlay_render_data.hpp
 struct ProbeRenderData;   // probe_render_data.hpp
+struct TransferRenderData; // transfer_render_data.hpp
 
 // A number that no revision in this run has had: equal revisions mean equal content, whatever scene they come from.
 [[nodiscard]] inline std::uint32_t next_revision() {
@@ -110,6 +111,7 @@ struct FrameData {
     std::uint32_t sky_revision = 0;
     // What the scene's parts add, each drawn by its own layer (render/layers.hpp). Null: nothing to draw.
     const ProbeRenderData* probes = nullptr;
+    const TransferRenderData* transfer = nullptr;
     // A picture for a light probe: without the discs of sun and moon, and without what is not part of the scene.
     bool capturing = false;
     const OverlayRenderData* overlay = nullptr;

@@ -1,0 +1,25 @@
+// The section `transfer` of a scene.
+#pragma once
+
+#include <string>
+
+namespace alpenglow::sandbox {
+
+class Reader;
+
+// What of the light's ways a surface knows: its own normal, what stands in between, what bounces off the rest.
+enum class TransferLevel { unshadowed, shadowed, interreflected };
+// Who takes the dot products: the CPU or the vertex shader; `automatic` leaves them to the shader in full quality.
+enum class TransferPath { automatic, cpu, shader };
+
+// Of a scene with things whose light is baked.
+struct TransferSettings {
+    TransferLevel level = TransferLevel::interreflected;
+    TransferPath path = TransferPath::automatic;
+    float detail = 1.0F; // vertices, relative
+    std::string mesh;    // an OBJ or glTF file that stands in for the figure; empty: none
+};
+
+[[nodiscard]] TransferSettings read_transfer_settings(Reader& section);
+
+} // namespace alpenglow::sandbox
