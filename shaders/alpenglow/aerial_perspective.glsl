@@ -19,7 +19,7 @@ struct AlpenglowAerial {
 
 // Integral of exp(-h / scale) along a straight path over a flat Earth: from height_m on, climbing `rise` metres a metre.
 float alpenglow_optical_length(float height_m, float rise, float distance_m, float scale_m) {
-    float k = max(distance_m * rise / scale_m, -80.0F);
+    float k = max(distance_m * rise / scale_m, -40.0F); // deeper down there is ground
     // (1 - exp(-k)) / k; the series where the quotient would cancel.
     float mean = abs(k) < 0.05F ? 1.0F - k * (0.5F - k * (1.0F / 6.0F - k * (1.0F / 24.0F)))
                                 : (1.0F - exp(-min(k, 80.0F))) / k;
@@ -28,7 +28,8 @@ float alpenglow_optical_length(float height_m, float rise, float distance_m, flo
 
 // 1 - exp(-x) for x >= 0 without cancellation.
 vec3 alpenglow_one_minus_exp(vec3 x) {
-    vec3 series = x * (vec3(1.0F) - x * (vec3(0.5F) - x * (1.0F / 6.0F)));
+    vec3 small = min(x, vec3(0.02F));
+    vec3 series = small * (vec3(1.0F) - small * (vec3(0.5F) - small * (1.0F / 6.0F)));
     vec3 direct = vec3(1.0F) - exp(-x);
     return mix(series, direct, step(vec3(0.02F), x));
 }
@@ -60,7 +61,8 @@ AlpenglowAerial alpenglow_aerial_stretch(AlpenglowAir air, float height_m, float
     vec3 slope = share * (vec3(1.0F) - share) *
                  (rise * (1.0F / air.rayleigh_height_m - 1.0F / air.mie_height_m)) * (depth / here);
     slope = clamp(slope, min(4.0F * drift, vec3(0.0F)), max(4.0F * drift, vec3(0.0F)));
-    vec3 first = (vec3(3.0F) + depth) / (vec3(6.0F) + depth * (vec3(3.0F) + depth));      // mean of the part behind
+    vec3 held = min(depth, vec3(1e6F));
+    vec3 first = (vec3(3.0F) + held) / (vec3(6.0F) + held * (vec3(3.0F) + held));         // mean of the part behind
     vec3 second = first * first * (vec3(2.0F) - first * (4.0F / 3.0F));                   // and of its square, nearly
     vec3 seen = share + slope * first + (3.0F * drift - 1.5F * slope) * second;
     AlpenglowAerial result;

@@ -1,5 +1,7 @@
 #include <alpenglow/sky/colour.hpp>
 
+#include "colour_of.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -29,44 +31,6 @@ constexpr Spectrum s1{38.5,  35.0,  43.4,  46.3,  43.9,  37.1,  36.7,  35.9,  32
 constexpr Spectrum s2{3.0,  1.2,  -1.1, -0.5, -0.7, -1.2, -2.6, -2.9, -2.8, -2.6, -2.6, -1.8, -1.5, -1.3,
                       -1.2, -1.0, -0.5, -0.3, 0.0,  0.2,  0.5,  2.1,  3.2,  4.1,  4.7,  5.1,  6.7,  7.3,
                       8.6,  9.8,  10.2, 8.3,  9.6,  8.5,  7.0,  7.6,  8.0,  6.7,  5.2,  7.4,  6.8};
-
-// Rec.709 primaries and white D65 (0.3127, 0.3290).
-template <class Real>
-glm::vec<3, Real> xyz_to_rec709_of(const glm::vec<3, Real>& v) {
-    return {Real(3.2409699419045213) * v.x - Real(1.5373831775700935) * v.y - Real(0.4986107602930033) * v.z,
-            Real(-0.9692436362808798) * v.x + Real(1.8759675015077206) * v.y + Real(0.0415550574071756) * v.z,
-            Real(0.0556300796969936) * v.x - Real(0.2039769588889765) * v.y + Real(1.0569715142428784) * v.z};
-}
-
-template <class Real>
-glm::vec<3, Real> yxy_to_rec709_of(const glm::vec<3, Real>& v) {
-    const Real y = v.z;
-    if (!(y > Real(1e-6))) {
-        return glm::vec<3, Real>(0);
-    }
-    const Real scale = v.x / y;
-    return xyz_to_rec709_of(glm::vec<3, Real>(v.y * scale, v.x, (Real(1) - v.y - y) * scale));
-}
-
-template <class Real>
-Real luminance_of(const glm::vec<3, Real>& rgb) {
-    return Real(0.2126) * rgb.x + Real(0.7152) * rgb.y + Real(0.0722) * rgb.z;
-}
-
-template <class Real>
-glm::vec<3, Real> into_gamut_of(const glm::vec<3, Real>& rgb) {
-    const Real white = luminance_of(rgb);
-    if (!(white > Real(0))) {
-        return glm::vec<3, Real>(0);
-    }
-    const Real least = std::min({rgb.x, rgb.y, rgb.z});
-    if (least >= Real(0)) {
-        return rgb;
-    }
-    const Real keep = white / (white - least);
-    const auto mix = [&](Real component) { return std::max(white + keep * (component - white), Real(0)); };
-    return {mix(rgb.x), mix(rgb.y), mix(rgb.z)};
-}
 
 } // namespace
 

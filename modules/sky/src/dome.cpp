@@ -16,7 +16,8 @@ namespace {
 
 constexpr double least_cosine = 1e-3;
 
-// Perez et al. 1993, table 1: a, b, c, d, e, each x1 + x2 Z + delta (x3 + x4 Z).
+// Perez et al. 1993, table 1: a, b, c, d, e, each x1 + x2 Z + delta (x3 + x4 Z). Compared number by number with
+// Radiance's gendaylit.c.
 constexpr double all_weather[8][5][4] = {{{1.3525, -0.2576, -0.2690, -1.4366},
                                           {-0.7670, 0.0007, 1.2734, -0.1233},
                                           {2.8000, 0.6004, 1.2375, 1.0000},
@@ -58,7 +59,7 @@ constexpr double all_weather[8][5][4] = {{{1.3525, -0.2576, -0.2690, -1.4366},
                                           {-7.2312, 0.4050, 13.3500, 0.6234},
                                           {1.5000, -0.6426, 1.8564, 0.5636}}};
 constexpr double clearness_bins[7] = {1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200};
-// Perez et al. 1990, table 4: zenith luminance over diffuse irradiance, a + c cos Z + c' e^(-3 Z) + d delta.
+// Perez et al. 1990, table 4 and eq. 10: zenith luminance over diffuse irradiance, a + c cos Z + c' e^(-3 Z) + d delta.
 constexpr double zenith_efficacy[8][4] = {{40.86, 26.77, -29.59, -45.75}, {26.58, 14.73, 58.46, -21.25},
                                           {19.34, 2.28, 100.00, 0.25},    {13.25, -1.39, 124.79, 15.66},
                                           {14.47, -5.09, 160.09, 9.13},   {19.76, -3.88, 154.61, -19.21},
@@ -96,6 +97,24 @@ template <class Real>
 Real perez_value(const PerezCoefficients<Real>& p, Real cos_theta, Real gamma, Real cos_gamma) {
     return (Real(1) + p.a * fast_exp(p.b / cos_theta)) *
            (Real(1) + p.c * fast_exp(p.d * gamma) + p.e * cos_gamma * cos_gamma);
+}
+
+std::size_t clearness_bin(double clearness) {
+    std::size_t bin = 0;
+    while (bin < 7 && clearness >= clearness_bins[bin]) {
+        ++bin;
+    }
+    return bin;
+}
+
+// Zenith luminance of any weather, cd/m^2 (Perez et al. 1990, eq. 10), theta the sun's zenith angle.
+double all_weather_zenith(double clearness, double brightness, double theta) {
+    // delta = m E_diffuse / E_0 gives the diffuse irradiance.
+    const double mass = 1.0 / (std::cos(theta) + 0.15 * std::pow(93.885 - theta / degree_rad, -1.253));
+    const double diffuse_w = brightness * 1367.0 / mass;
+    const double* z = zenith_efficacy[clearness_bin(clearness)];
+    return std::max(diffuse_w * (z[0] + z[1] * std::cos(theta) + z[2] * std::exp(-3.0 * theta) + z[3] * brightness),
+                    0.0);
 }
 
 // Zenith luminance of the clear sky, cd/m^2 (Karayel et al. 1984), for altitudes up to 75 degrees, where the tangent
@@ -181,10 +200,7 @@ SkyDome<Real> make_dome(const DomeParameters& p) {
     case DomeModel::perez: {
         const double clearness = p.clearness;
         const double brightness = p.brightness;
-        std::size_t bin = 0;
-        while (bin < 7 && clearness >= clearness_bins[bin]) {
-            ++bin;
-        }
+        const std::size_t bin = clearness_bin(clearness);
         std::array<double, 5> x{};
         for (std::size_t k = 0; k < 5; ++k) {
             const double* c = all_weather[bin][k];
@@ -197,12 +213,7 @@ SkyDome<Real> make_dome(const DomeParameters& p) {
             x[3] = -std::exp(brightness * (d[0] + d[1] * theta)) + d[2] + brightness * d[3];
         }
         terms[0] = {1.0, 1.0, 0.0, x[0], std::min(x[1], -1e-3), 1.0, x[2], x[3], x[4], false};
-        // delta = m E_diffuse / E_0 gives the diffuse irradiance.
-        const double mass = 1.0 / (std::cos(theta) + 0.15 * std::pow(93.885 - theta / degree_rad, -1.253));
-        const double diffuse_w = brightness * 1367.0 / mass;
-        const double* z = zenith_efficacy[bin];
-        zenith[0] = std::max(
-            diffuse_w * (z[0] + z[1] * std::cos(theta) + z[2] * std::exp(-3.0 * theta) + z[3] * brightness), 0.0);
+        zenith[0] = all_weather_zenith(clearness, brightness, theta);
         grey = std::clamp(1.0 - (clearness - 1.0) / 2.0, 0.0, 1.0);
         break;
     }
@@ -216,24 +227,31 @@ SkyDome<Real> make_dome(const DomeParameters& p) {
         grey = 1.0;
         break;
     case DomeModel::asrc_cie: {
-        // Skies at clearness 1, 1.2, 3 and 6, and their zeniths; the hazy one is Gusev's.
+        // Overcast, intermediate, clear turbid and clear sky, blended as Perez et al. 1990, section 3.4, say; up to 1.2
+        // a bright overcast turns intermediate as well.
         DomeTerm<double> intermediate;
         intermediate.intermediate = true;
         const std::array<DomeTerm<double>, 4> skies{overcast(), intermediate, kittler(0.856, 16.0, -3.0, 0.3),
                                                     kittler(0.91, 10.0, -3.0, 0.45)};
+        constexpr std::array<double, 4> knots{1.0, 1.2, 3.0, 6.0};
+        const double clearness = p.clearness;
+        const double brightness = p.brightness;
+        std::size_t i = 0;
+        while (i < 2 && clearness >= knots[i + 1]) {
+            ++i;
+        }
+        double t = (clearness - knots[i]) / (knots[i + 1] - knots[i]);
+        if (i == 0) {
+            t = std::max(t, (brightness - 0.05) / 0.4);
+        }
+        t = std::clamp(t, 0.0, 1.0);
+        terms = {skies[i], skies[i + 1]};
+        // Each sky with its own zenith: one formula by clearness bins, as there, would step when the weather drifts.
         const double between = 0.5 * (overcast_zenith(altitude) + clear_zenith(p.turbidity, altitude));
         const std::array<double, 4> zeniths{
             overcast_zenith(altitude), between,
             clear_zenith(std::min(1.5 * static_cast<double>(p.turbidity), 10.0), altitude),
             clear_zenith(p.turbidity, altitude)};
-        constexpr std::array<double, 4> knots{1.0, 1.2, 3.0, 6.0};
-        std::size_t i = 0;
-        while (i < 2 && static_cast<double>(p.clearness) >= knots[i + 1]) {
-            ++i;
-        }
-        const double t =
-            std::clamp((static_cast<double>(p.clearness) - knots[i]) / (knots[i + 1] - knots[i]), 0.0, 1.0);
-        terms = {skies[i], skies[i + 1]};
         zenith = {(1.0 - t) * zeniths[i], t * zeniths[i + 1]};
         grey = std::clamp(1.0 - (static_cast<double>(p.clearness) - 1.0) / 2.0, 0.0, 1.0);
         break;

@@ -1,5 +1,5 @@
 // Dome models over many directions. Angles come from the chord to the sun, exponentials from a polynomial; both hold to
-// 2e-7 relative.
+// 4e-7 relative.
 #include <alpenglow/sky/dome.hpp>
 
 #include <cassert>
@@ -46,19 +46,21 @@ HWY_INLINE V angle(V x, V y, V z, V sx, V sy, V sz, V cosine) {
 struct Splat {
     V scale, g0, g1, a, b, s0, c, d, e;
 };
+// b and d times log2(e): exponentials are powers of two here.
 HWY_INLINE Splat splat(const DomeTerm<float>& t) {
     const D d;
-    return {hn::Set(d, t.scale), hn::Set(d, t.g0), hn::Set(d, t.g1), hn::Set(d, t.a), hn::Set(d, t.b),
-            hn::Set(d, t.s0),    hn::Set(d, t.c),  hn::Set(d, t.d),  hn::Set(d, t.e)};
+    constexpr float log2_e = 1.44269504F;
+    return {hn::Set(d, t.scale), hn::Set(d, t.g0), hn::Set(d, t.g1),         hn::Set(d, t.a), hn::Set(d, t.b * log2_e),
+            hn::Set(d, t.s0),    hn::Set(d, t.c),  hn::Set(d, t.d * log2_e), hn::Set(d, t.e)};
 }
 
 template <bool Linear>
 HWY_INLINE V term(const Splat& t, V cosine, V inverse, V gamma, V squared) {
-    V gradation = hn::MulAdd(t.a, exponential(hn::Mul(t.b, inverse)), t.g0);
+    V gradation = hn::MulAdd(t.a, power_of_two(hn::Mul(t.b, inverse)), t.g0);
     if (Linear) {
         gradation = hn::MulAdd(t.g1, cosine, gradation);
     }
-    const V indicatrix = hn::MulAdd(t.c, exponential(hn::Mul(t.d, gamma)), hn::MulAdd(t.e, squared, t.s0));
+    const V indicatrix = hn::MulAdd(t.c, power_of_two(hn::Mul(t.d, gamma)), hn::MulAdd(t.e, squared, t.s0));
     const V zero = hn::Zero(D());
     return hn::Mul(t.scale, hn::Mul(hn::Max(gradation, zero), hn::Max(indicatrix, zero)));
 }

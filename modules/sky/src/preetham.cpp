@@ -1,12 +1,13 @@
 #include <alpenglow/sky/preetham.hpp>
 
+#include "colour_of.hpp"
 #include "fast_math.hpp"
 
 #include <alpenglow/core/constants.hpp>
-#include <alpenglow/sky/colour.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include <glm/geometric.hpp>
 
@@ -25,6 +26,22 @@ Real perez(const PerezCoefficients<Real>& p, Real cos_theta, Real gamma, Real co
 template <class Real>
 glm::vec<3, Real> bounded(const glm::vec<3, Real>& v) {
     return {std::clamp(v.x, Real(-1), Real(1)), std::clamp(v.y, Real(-1), Real(1)), std::clamp(v.z, Real(-1), Real(1))};
+}
+
+// The float path: no branches, one division for the air's thickness, powers of two instead of exponentials.
+glm::vec3 fast_luminance_chromaticity(const PreethamSky<float>& sky, const glm::vec3& v) {
+    constexpr float log2_e = 1.44269504F;
+    const glm::vec3& s = sky.to_sun;
+    const float cosine = v.x * s.x + v.y * s.y + v.z * s.z;
+    const float gamma = fast_angle(v, s, cosine) * log2_e;
+    const float inverse = log2_e / std::max(v.z, static_cast<float>(least_cosine));
+    const float squared = std::min(cosine * cosine, 1.0F);
+    glm::vec3 value;
+    for (int k = 0; k < 3; ++k) {
+        const PerezCoefficients<float>& p = sky.perez[static_cast<std::size_t>(k)];
+        value[k] = (1.0F + p.a * fast_exp2(p.b * inverse)) * (1.0F + p.c * fast_exp2(p.d * gamma) + p.e * squared);
+    }
+    return sky.zenith_Yxy * value / sky.normalisation;
 }
 
 // The sun never below the horizon.
@@ -82,6 +99,9 @@ PreethamSky<Real> make_preetham(const glm::vec<3, Real>& to_sun, Real turbidity)
 template <class Real>
 glm::vec<3, Real> luminance_chromaticity(const PreethamSky<Real>& sky, const glm::vec<3, Real>& direction) {
     const glm::vec<3, Real> v = bounded(direction);
+    if constexpr (std::is_same_v<Real, float>) {
+        return fast_luminance_chromaticity(sky, v);
+    }
     const Real cos_gamma = std::clamp(glm::dot(v, sky.to_sun), Real(-1), Real(1));
     const Real gamma = fast_angle(v, sky.to_sun, cos_gamma);
     const Real cos_theta = std::max(v.z, Real(least_cosine));
@@ -95,7 +115,7 @@ glm::vec<3, Real> luminance_chromaticity(const PreethamSky<Real>& sky, const glm
 
 template <class Real>
 glm::vec<3, Real> radiance(const PreethamSky<Real>& sky, const glm::vec<3, Real>& direction) {
-    return into_gamut(yxy_to_rec709(luminance_chromaticity(sky, direction)));
+    return into_gamut_of(yxy_to_rec709_of(luminance_chromaticity(sky, direction)));
 }
 
 template PreethamSky<float> make_preetham(const glm::vec3&, float);

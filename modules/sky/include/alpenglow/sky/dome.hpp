@@ -18,8 +18,8 @@ enum class DomeModel {
     perez,        // Perez, Seals and Michalsky 1993, all-weather: from clearness and brightness
     cie_clear,    // CIE 1973, Kittler: from turbidity
     cie_overcast, // Moon and Spencer 1942, CIE
-    asrc_cie,     // Littlefair 1994: overcast, intermediate, hazy and clear sky, blended by clearness
-    cie_general   // CIE S 011 / ISO 15469:2003, types 1 to 15
+    asrc_cie,   // Perez et al. 1990, Littlefair 1994: overcast, intermediate, hazy and clear sky, blended by clearness
+    cie_general // CIE S 011 / ISO 15469:2003, types 1 to 15
 };
 
 struct DomeParameters {
@@ -27,7 +27,7 @@ struct DomeParameters {
     glm::vec3 to_sun{0.0F, 0.0F, 1.0F}; // unit; below the horizon it is held at the horizon
     float turbidity = 2.5F;             // 1.7 .. 10: of the clear models' luminance, and of every model's chromaticity
     float clearness = 6.0F;             // Perez' epsilon, 1 (overcast) .. 12 and more (clear)
-    float brightness = 0.2F;            // Perez' delta, 0.01 .. 0.6
+    float brightness = 0.2F;            // Perez' delta, 0.01 .. 0.6; of asrc_cie below clearness 1.2
     int cie_type = 12;                  // 1 .. 15
     // Luminance of the zenith in cd/m^2 where it is known; 0: the model's own formula (docs/sky.md).
     float zenith_cd_m2 = 0.0F;
