@@ -66,14 +66,17 @@ HWY_INLINE void rotate_band(const float* matrix, const float* in, std::size_t in
             }
             source = copy;
         }
-        int m = 0;
-        for (; m + 3 <= width; m += 3) {
-            rotate_rows<L, 3>(matrix + m * width, source, stride, out + static_cast<std::size_t>(m) * out_stride + k,
-                              out_stride);
-        }
-        for (; m < width; ++m) {
-            rotate_rows<L, 1>(matrix + m * width, source, stride, out + static_cast<std::size_t>(m) * out_stride + k,
-                              out_stride);
+        // Three rows at a time, and twos where that leaves fewer.
+        constexpr int threes = (width % 3 == 1 && width > 1 ? width - 4 : width - width % 3);
+        constexpr int rest = width % 3 == 0 || width == 1 ? 1 : 2;
+        for (int m = 0; m < width; m += m < threes ? 3 : rest) {
+            const float* rows = matrix + m * width;
+            float* target = out + static_cast<std::size_t>(m) * out_stride + k;
+            if (m < threes) {
+                rotate_rows<L, 3>(rows, source, stride, target, out_stride);
+            } else {
+                rotate_rows<L, rest>(rows, source, stride, target, out_stride);
+            }
         }
     }
     for (; k < count; k += lanes()) {
@@ -198,6 +201,18 @@ using DD = hn::CappedTag<double, 16>;
 using DF = hn::Rebind<float, DD>; // as many floats as a vector of doubles has lanes
 using VD = hn::Vec<DD>;
 
+// One vector of floats from those of the vectors of doubles that it takes.
+template <class Half>
+HWY_INLINE Half join(const Half (&parts)[1]) {
+    return parts[0];
+}
+#if HWY_TARGET != HWY_SCALAR
+template <class Half>
+HWY_INLINE V join(const Half (&parts)[2]) {
+    return hn::Combine(d, parts[1], parts[0]);
+}
+#endif
+
 // Orders up to 3 by the 3 x 3 matrix R itself: b -> R b, and A -> R A R^T for the quadratic part, a symmetric matrix
 // without trace. R is found in double: its own rounding would double the error.
 struct Matrix {
@@ -206,12 +221,14 @@ struct Matrix {
 HWY_INLINE Matrix matrix_of(ConstBatch quaternions, std::size_t k) {
     constexpr DD dd;
     constexpr DF df;
-    HWY_ALIGN float entry[3][3][hn::MaxLanes(d)];
-    const auto put = [&](VD v, int row, int column, std::size_t at) {
-        hn::StoreU(hn::DemoteTo(df, v), df, entry[row][column] + at);
-    };
-    for (std::size_t at = 0; at < lanes(); at += hn::Lanes(dd)) {
-        const auto part = [&](std::size_t i) { return hn::PromoteTo(dd, hn::LoadU(df, quaternions.row(i) + k + at)); };
+    using Half = hn::Vec<DF>;
+    constexpr std::size_t parts = hn::MaxLanes(d) / hn::MaxLanes(dd);
+    Half entry[3][3][parts];
+    for (std::size_t at = 0; at < parts; ++at) {
+        const auto part = [&](std::size_t i) {
+            return hn::PromoteTo(dd, hn::LoadU(df, quaternions.row(i) + k + at * hn::Lanes(dd)));
+        };
+        const auto put = [&](VD v, int row, int column) { entry[row][column][at] = hn::DemoteTo(df, v); };
         const VD x = part(0), y = part(1), z = part(2), w = part(3), one = hn::Set(dd, 1.0), two = hn::Set(dd, 2.0);
         const VD sum = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::MulAdd(z, z, hn::Mul(w, w))));
         // 1 / sum by Newton from 2 - sum: the quaternion is of unit length to 1e-3 at worst.
@@ -220,20 +237,20 @@ HWY_INLINE Matrix matrix_of(ConstBatch quaternions, std::size_t k) {
         const VD sx = hn::Mul(scale, x), sy = hn::Mul(scale, y), sz = hn::Mul(scale, z);
         const VD wx = hn::Mul(sx, w), wy = hn::Mul(sy, w), wz = hn::Mul(sz, w);
         const VD not_x = hn::NegMulAdd(sx, x, one), zz = hn::Mul(sz, z);
-        put(hn::NegMulAdd(sy, y, hn::Sub(one, zz)), 0, 0, at);
-        put(hn::Sub(not_x, zz), 1, 1, at);
-        put(hn::NegMulAdd(sy, y, not_x), 2, 2, at);
-        put(hn::MulSub(sx, y, wz), 0, 1, at);
-        put(hn::MulAdd(sx, y, wz), 1, 0, at);
-        put(hn::MulAdd(sx, z, wy), 0, 2, at);
-        put(hn::MulSub(sx, z, wy), 2, 0, at);
-        put(hn::MulSub(sy, z, wx), 1, 2, at);
-        put(hn::MulAdd(sy, z, wx), 2, 1, at);
+        put(hn::NegMulAdd(sy, y, hn::Sub(one, zz)), 0, 0);
+        put(hn::Sub(not_x, zz), 1, 1);
+        put(hn::NegMulAdd(sy, y, not_x), 2, 2);
+        put(hn::MulSub(sx, y, wz), 0, 1);
+        put(hn::MulAdd(sx, y, wz), 1, 0);
+        put(hn::MulAdd(sx, z, wy), 0, 2);
+        put(hn::MulSub(sx, z, wy), 2, 0);
+        put(hn::MulSub(sy, z, wx), 1, 2);
+        put(hn::MulAdd(sy, z, wx), 2, 1);
     }
     Matrix m;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-            m.r[i][j] = hn::Load(d, entry[i][j]);
+            m.r[i][j] = join(entry[i][j]);
         }
     }
     return m;
