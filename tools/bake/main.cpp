@@ -1,5 +1,6 @@
 // alpenglow-bake: bakes radiance transfer. docs/prt.md explains the options.
 #include <alpenglow/core/timing.hpp>
+#include <alpenglow/prt/bake_cubemap.hpp>
 #include <alpenglow/prt/bake_glossy.hpp>
 #include <alpenglow/prt/bake_neighbourhood.hpp>
 #include <alpenglow/prt/compress.hpp>
@@ -8,10 +9,17 @@
 #include <alpenglow/prt/shapes.hpp>
 #include <alpenglow/prt/transfer_file.hpp>
 
+#ifdef ALPENGLOW_HAVE_VULKAN
+#include <alpenglow/prt/bake_cubemap_vulkan.hpp>
+#include <alpenglow/vulkan/device.hpp>
+#include <alpenglow/vulkan/instance.hpp>
+#endif
+
 #include "read_vdb.hpp"
 
 #include <CLI/CLI.hpp>
 
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 
@@ -40,6 +48,8 @@ struct Options {
     std::vector<unsigned> neighbourhood;
     std::string report;
     std::string shard;
+    std::size_t cube_maps = 0;
+    bool gpu = false;
     bool z_up = false;
     bool quiet = false;
     std::vector<std::string> parts;
@@ -132,7 +142,86 @@ int save(const Options& o, const prt::Bake& baked) {
     return 0;
 }
 
+// Volumes come in shards of voxels, neighbourhoods of grid points, the rest of vertices.
+struct Shard {
+    std::size_t number = 0;
+    std::size_t of = 0; // 0: no shards
+};
+Result<Shard> parse_shard(const std::string& text) {
+    Shard shard;
+    char rest = 0;
+    if (!text.empty() && (std::sscanf(text.c_str(), "%zu/%zu%c", &shard.number, &shard.of, &rest) != 2 ||
+                          shard.number < 1 || shard.number > shard.of)) {
+        return Error{text, "--shard", "k/n with 1 <= k <= n"};
+    }
+    return shard;
+}
+
+Result<prt::VolumeDensity> open_volume(const Options& o) {
+#ifdef ALPENGLOW_HAVE_OPENVDB
+    return read_vdb(o.volume, o.volume_size, o.extinction_scale);
+#else
+    return Error{"this build has no OpenVDB", o.volume, "a build with it"};
+#endif
+}
+
+// Saves the shard of a bake in parts, or bakes and saves all of it.
+template <class Part, class Whole>
+int run_fields(const Options& o, const Shard& shard, std::size_t points, prt::SavedFieldPart saved, const Part& part,
+               const Whole& whole) {
+    if (shard.of == 0) {
+        const Result<prt::Bake> baked = whole();
+        return baked ? save(o, *baked) : fail(baked.error());
+    }
+    const prt::ShardRange range = prt::shard_range(points, shard.number, shard.of);
+    Result<prt::FieldPart> baked = part(range.first, range.last - range.first);
+    if (!baked) {
+        return fail(baked.error());
+    }
+    saved.part = std::move(*baked);
+    const Status status = prt::save_field_part(saved, o.out);
+    return status ? 0 : fail(status.error());
+}
+
+int merge_fields(const Options& o) {
+    std::vector<prt::FieldPart> parts;
+    prt::SavedFieldPart last;
+    for (const std::string& path : o.parts) {
+        Result<prt::SavedFieldPart> saved = prt::load_field_part(path);
+        if (!saved) {
+            return fail(saved.error());
+        }
+        parts.push_back(std::move(saved->part));
+        last = std::move(*saved);
+    }
+    if (parts.front().kind == prt::TransferKind::volume) {
+        const Result<prt::VolumeDensity> density = open_volume(o);
+        if (!density) {
+            return fail(density.error());
+        }
+        last.volume.threads = o.settings.threads;
+        last.volume.progress = progress_bar(o.quiet);
+        const Result<prt::Bake> baked = prt::finish_volume(*density, last.volume, std::move(parts));
+        return baked ? save(o, *baked) : fail(baked.error());
+    }
+    const Result<prt::Mesh> mesh = open_mesh(o);
+    if (!mesh) {
+        return fail(mesh.error());
+    }
+    if (parts.front().kind == prt::TransferKind::glossy) {
+        last.glossy.threads = o.settings.threads;
+        last.glossy.progress = progress_bar(o.quiet);
+        const Result<prt::Bake> baked = prt::finish_glossy(*mesh, last.glossy, std::move(parts));
+        return baked ? save(o, *baked) : fail(baked.error());
+    }
+    const Result<prt::Bake> baked = prt::finish_neighbourhood(*mesh, last.grid, last.neighbourhood, std::move(parts));
+    return baked ? save(o, *baked) : fail(baked.error());
+}
+
 int run_merge(Options o) {
+    if (prt::part_file_kind(o.parts.front()) == 'f') {
+        return merge_fields(o);
+    }
     const Result<prt::Mesh> mesh = open_mesh(o);
     if (!mesh) {
         return fail(mesh.error());
@@ -153,28 +242,119 @@ int run_merge(Options o) {
     return baked ? save(o, *baked) : fail(baked.error());
 }
 
+int run_volume(const Options& o, const Shard& shard) {
+    const Result<prt::VolumeDensity> density = open_volume(o);
+    if (!density) {
+        return fail(density.error());
+    }
+    prt::SavedFieldPart saved;
+    prt::VolumeSettings& volume = saved.volume;
+    volume.order = o.settings.order;
+    volume.albedo = o.volume_albedo;
+    volume.threads = o.settings.threads;
+    volume.progress = o.settings.progress;
+    if (o.bounces >= 0) {
+        volume.max_bounces = o.bounces;
+    }
+    return run_fields(
+        o, shard, density->extinction_per_m.size(), saved,
+        [&](std::size_t first, std::size_t count) { return prt::bake_volume_part(*density, volume, first, count); },
+        [&] { return prt::bake_volume(*density, volume); });
+}
+
+int run_glossy(const Options& o, const Shard& shard, const prt::Mesh& mesh) {
+    prt::SavedFieldPart saved;
+    prt::GlossySettings& glossy = saved.glossy;
+    glossy.transport = o.settings.transport;
+    glossy.order = o.settings.order;
+    glossy.out_order = o.out_order == 0 ? 5 : o.out_order;
+    glossy.rays = o.settings.rays;
+    glossy.default_albedo = o.settings.default_albedo;
+    glossy.specular = o.specular;
+    glossy.phong_exponent = o.phong;
+    glossy.max_bounces = o.settings.max_bounces;
+    glossy.seed = o.settings.seed;
+    glossy.threads = o.settings.threads;
+    glossy.progress = o.settings.progress;
+    return run_fields(
+        o, shard, mesh.positions.size(), saved,
+        [&](std::size_t first, std::size_t count) { return prt::bake_glossy_part(mesh, glossy, first, count); },
+        [&] { return prt::bake_glossy(mesh, glossy); });
+}
+
+int run_neighbourhood(const Options& o, const Shard& shard, const prt::Mesh& mesh) {
+    prt::SavedFieldPart saved;
+    prt::NeighbourhoodSettings& around = saved.neighbourhood;
+    around.order = o.settings.order;
+    around.out_order = o.out_order == 0 ? 3 : o.out_order;
+    around.rays = o.settings.rays;
+    around.bounce = o.settings.transport == prt::Transport::interreflected;
+    around.default_albedo = o.settings.default_albedo;
+    around.seed = o.settings.seed;
+    around.threads = o.settings.threads;
+    around.progress = o.settings.progress;
+    const glm::uvec3 size(o.neighbourhood[0], o.neighbourhood[1], o.neighbourhood[2]);
+    saved.grid = prt::grid_around(mesh, size, 1.0F, 0.2F, 2.0F);
+    return run_fields(
+        o, shard, std::size_t{size.x} * size.y * size.z, saved,
+        [&](std::size_t first, std::size_t count) {
+            return prt::bake_neighbourhood_part(mesh, saved.grid, around, first, count);
+        },
+        [&] { return prt::bake_neighbourhood(mesh, saved.grid, around); });
+}
+
+// By cube maps; the report says how far they are from rays.
+int run_cube_maps(const Options& o, const prt::Mesh& mesh) {
+    const prt::BakeSettings& s = o.settings;
+    const Result<prt::Bake> baked = [&]() -> Result<prt::Bake> {
+        if (!o.gpu) {
+            return prt::bake_cubemap(mesh, s, o.cube_maps);
+        }
+#ifdef ALPENGLOW_HAVE_VULKAN
+        const Result<vulkan::Instance> instance = vulkan::Instance::create({.application = "alpenglow-bake"});
+        if (!instance) {
+            return instance.error();
+        }
+        const Result<vulkan::Device> device = vulkan::Device::create(*instance);
+        return device ? prt::bake_cubemap(*device, mesh, s, o.cube_maps) : Result<prt::Bake>(device.error());
+#else
+        return Error{"this build has no Vulkan", "--gpu", "a build with it"};
+#endif
+    }();
+    if (!baked) {
+        return fail(baked.error());
+    }
+    if (!o.quiet) {
+        const Result<prt::Bake> rays = prt::bake(mesh, s);
+        if (rays) {
+            double sum = 0.0;
+            for (std::size_t i = 0; i < rays->field.values.size(); ++i) {
+                const double d =
+                    static_cast<double>(rays->field.values[i]) - static_cast<double>(baked->field.values[i]);
+                sum += d * d;
+            }
+            std::vector<float> open(static_cast<std::size_t>(s.order * s.order));
+            prt::unshadowed(s.order, glm::vec3(0.0F, 0.0F, 1.0F), open);
+            double one = 0.0;
+            for (const float x : open) {
+                one += static_cast<double>(x) * static_cast<double>(x);
+            }
+            std::printf("\nRMS error against rays %.3g (their own estimate %.3g)\n",
+                        std::sqrt(sum / static_cast<double>(rays->field.count) / one), rays->report.estimated_rms);
+        }
+    }
+    return save(o, *baked);
+}
+
 int run_bake(Options o) {
     prt::BakeSettings& s = o.settings;
     s.progress = progress_bar(o.quiet);
+    const Result<Shard> shard = parse_shard(o.shard);
+    if (!shard) {
+        return fail(shard.error());
+    }
     if (!o.volume.empty()) {
-#ifdef ALPENGLOW_HAVE_OPENVDB
-        const Result<prt::VolumeDensity> density = read_vdb(o.volume, o.volume_size, o.extinction_scale);
-        if (!density) {
-            return fail(density.error());
-        }
-        prt::VolumeSettings volume;
-        volume.order = s.order;
-        volume.albedo = o.volume_albedo;
-        volume.threads = s.threads;
-        volume.progress = s.progress;
-        if (o.bounces >= 0) {
-            volume.max_bounces = o.bounces;
-        }
-        const Result<prt::Bake> baked = prt::bake_volume(*density, volume);
-        return baked ? save(o, *baked) : fail(baked.error());
-#else
-        return fail({"this build has no OpenVDB", "--volume", ""});
-#endif
+        return run_volume(o, *shard);
     }
     const Result<prt::Mesh> mesh = open_mesh(o);
     if (!mesh) {
@@ -193,56 +373,29 @@ int run_bake(Options o) {
                  : o.sampling == "stratified" ? prt::Sampling::stratified
                  : o.sampling == "fibonacci"  ? prt::Sampling::fibonacci
                                               : prt::Sampling::adaptive;
-    if (!o.shard.empty()) {
-        std::size_t k = 0;
-        std::size_t n = 0;
-        char rest = 0;
-        if (std::sscanf(o.shard.c_str(), "%zu/%zu%c", &k, &n, &rest) != 2 || k < 1 || k > n) {
-            return fail({o.shard, "--shard", "k/n with 1 <= k <= n"});
-        }
-        if (o.glossy || !o.neighbourhood.empty()) {
-            return fail({"only diffuse bakes come in shards", "--shard", "neither --glossy nor --neighbourhood"});
-        }
-        const prt::ShardRange range = prt::shard_range(mesh->positions.size(), k, n);
-        const Result<prt::BakePart> part = prt::bake_part(*mesh, s, range.first, range.last - range.first);
-        if (!part) {
-            return fail(part.error());
-        }
-        const Status status = prt::save_part(s, *part, o.out);
-        return status ? 0 : fail(status.error());
+    if (o.glossy) {
+        return run_glossy(o, *shard, *mesh);
     }
-    Result<prt::Bake> baked = [&]() -> Result<prt::Bake> {
-        if (o.glossy) {
-            prt::GlossySettings glossy;
-            glossy.transport = s.transport;
-            glossy.order = s.order;
-            glossy.out_order = o.out_order == 0 ? 5 : o.out_order;
-            glossy.rays = s.rays;
-            glossy.default_albedo = s.default_albedo;
-            glossy.specular = o.specular;
-            glossy.phong_exponent = o.phong;
-            glossy.max_bounces = s.max_bounces;
-            glossy.seed = s.seed;
-            glossy.threads = s.threads;
-            glossy.progress = s.progress;
-            return prt::bake_glossy(*mesh, glossy);
+    if (!o.neighbourhood.empty()) {
+        return run_neighbourhood(o, *shard, *mesh);
+    }
+    if (o.cube_maps > 0) {
+        if (shard->of > 0) {
+            return fail({"cube maps are baked whole", "--shard", "no --cube-maps"});
         }
-        if (!o.neighbourhood.empty()) {
-            prt::NeighbourhoodSettings around;
-            around.order = s.order;
-            around.out_order = o.out_order == 0 ? 3 : o.out_order;
-            around.rays = s.rays;
-            around.bounce = s.transport == prt::Transport::interreflected;
-            around.default_albedo = s.default_albedo;
-            around.seed = s.seed;
-            around.threads = s.threads;
-            around.progress = s.progress;
-            const glm::uvec3 size(o.neighbourhood[0], o.neighbourhood[1], o.neighbourhood[2]);
-            return prt::bake_neighbourhood(*mesh, prt::grid_around(*mesh, size, 1.0F, 0.2F, 2.0F), around);
-        }
-        return prt::bake(*mesh, s);
-    }();
-    return baked ? save(o, *baked) : fail(baked.error());
+        return run_cube_maps(o, *mesh);
+    }
+    if (shard->of == 0) {
+        const Result<prt::Bake> baked = prt::bake(*mesh, s);
+        return baked ? save(o, *baked) : fail(baked.error());
+    }
+    const prt::ShardRange range = prt::shard_range(mesh->positions.size(), shard->number, shard->of);
+    const Result<prt::BakePart> part = prt::bake_part(*mesh, s, range.first, range.last - range.first);
+    if (!part) {
+        return fail(part.error());
+    }
+    const Status status = prt::save_part(s, *part, o.out);
+    return status ? 0 : fail(status.error());
 }
 
 } // namespace
@@ -264,6 +417,12 @@ int main(int argc, char** argv) {
         to.add_option("--threads", o.settings.threads, "0: all");
         to.add_flag("--z-up", o.z_up, "the mesh file's +Z is up, not its +Y");
         to.add_flag("--quiet", o.quiet);
+        to.add_option("--volume", o.volume, "bake this OpenVDB file instead of a mesh");
+        to.add_option("--volume-size", o.volume_size, "voxels along the longest axis")
+            ->check(CLI::Range(2, 512))
+            ->capture_default_str();
+        to.add_option("--extinction-scale", o.extinction_scale, "density -> extinction per metre")
+            ->capture_default_str();
     };
     common(app);
     app.add_option("--order", o.settings.order, "bands of the light")->check(CLI::Range(1, 6))->capture_default_str();
@@ -285,13 +444,11 @@ int main(int argc, char** argv) {
     app.add_option("--out-order", o.out_order, "rows of matrices: 5 for --glossy, 3 for --neighbourhood");
     app.add_option("--specular", o.specular, "glossy: part that the lobe reflects, for bounces")->capture_default_str();
     app.add_option("--phong", o.phong, "glossy: exponent of the lobe, for bounces")->capture_default_str();
-    app.add_option("--volume", o.volume, "bake this OpenVDB file instead of a mesh");
-    app.add_option("--volume-size", o.volume_size, "voxels along the longest axis")
-        ->check(CLI::Range(2, 512))
-        ->capture_default_str();
-    app.add_option("--extinction-scale", o.extinction_scale, "density -> extinction per metre")->capture_default_str();
     app.add_option("--volume-albedo", o.volume_albedo, "single scattering")->capture_default_str();
     app.add_option("--neighbourhood", o.neighbourhood, "bake a grid of x y z points around the mesh")->expected(3);
+    app.add_option("--cube-maps", o.cube_maps, "bake without rays, by cube maps of this many texels a side")
+        ->check(CLI::Range(4, 128));
+    app.add_flag("--gpu", o.gpu, "cube maps are drawn by the Vulkan device");
     app.add_option("--shard", o.shard, "k/n: bake the k-th of n parts; join with merge");
     CLI::App* merge = app.add_subcommand("merge", "joins parts made with --shard to a transfer file");
     common(*merge);

@@ -138,33 +138,35 @@ void EvaluateRow(const TransferTable& table, const float* light, std::size_t coe
     }
 }
 
-// One cluster: lit is [3][1 + components], the mean's result, then one per component. Blocks first .. last of the
-// table.
-void EvaluateCluster(const TransferTable& table, const float* lit, std::size_t first, std::size_t last, float* out) {
+// One cluster: `mean` is its mean's result, lit [3][components] those of its components. Blocks first .. last of the
+// table; the last of a cluster may hold padding.
+void EvaluateCluster(const TransferTable& table, const float* HWY_RESTRICT mean, const float* HWY_RESTRICT lit,
+                     std::size_t first, std::size_t last, float* out) {
     const D d;
     const std::size_t components = table.info.components;
-    const std::size_t vectors = components + 1;
     const auto* weights = reinterpret_cast<const std::int8_t*>(table.blocks.data());
     HWY_ALIGN float rgb[3 * block_points];
+    constexpr std::size_t step = groups * lanes;
+    V r[groups];
+    V g[groups];
+    V b[groups];
     for (std::size_t block = first; block < last; ++block) {
         const std::uint32_t* points = table.slot_points.data() + block * block_points;
-        for (std::size_t lane = 0; lane < block_points; lane += lanes) {
-            V r = hn::Set(d, lit[0]);
-            V g = hn::Set(d, lit[vectors]);
-            V b = hn::Set(d, lit[2 * vectors]);
-            const std::int8_t* at = weights + block * components * block_points + lane;
-            for (std::size_t j = 0; j < components; ++j) {
-                const V w = load(at + j * block_points);
-                r = hn::MulAdd(w, hn::Set(d, lit[j + 1]), r);
-                g = hn::MulAdd(w, hn::Set(d, lit[vectors + j + 1]), g);
-                b = hn::MulAdd(w, hn::Set(d, lit[2 * vectors + j + 1]), b);
+        for (std::size_t lane = 0; lane < block_points; lane += step) {
+            sums<false>(weights + block * components * block_points + lane, components, components, lit, r, g, b);
+            for (std::size_t t = 0; t < groups; ++t) {
+                hn::StoreInterleaved3(hn::Add(r[t], hn::Set(d, mean[0])), hn::Add(g[t], hn::Set(d, mean[1])),
+                                      hn::Add(b[t], hn::Set(d, mean[2])), d, rgb + 3 * (lane + t * lanes));
             }
-            hn::StoreInterleaved3(r, g, b, d, rgb + 3 * lane);
         }
-        for (std::size_t k = 0; k < block_points; ++k) {
-            if (points[k] != TransferTable::no_point) {
+        if (points[block_points - 1] != TransferTable::no_point) {
+            for (std::size_t k = 0; k < block_points; ++k) {
                 std::memcpy(out + 3 * std::size_t{points[k]}, rgb + 3 * k, 3 * sizeof(float));
             }
+            continue;
+        }
+        for (std::size_t k = 0; k < block_points && points[k] != TransferTable::no_point; ++k) {
+            std::memcpy(out + 3 * std::size_t{points[k]}, rgb + 3 * k, 3 * sizeof(float));
         }
     }
 }
@@ -305,28 +307,36 @@ PackedLight pack(const TransferInfo& info, std::span<const glm::vec3> light) {
 
 void evaluate_cpca(const TransferTable& table, const PackedLight& light, std::span<glm::vec3> out, BlockRange blocks) {
     const TransferInfo& info = table.info;
-    const std::size_t vectors = std::size_t{info.components} + 1;
+    const std::size_t components = info.components;
     const std::size_t n = info.coefficients();
-    std::vector<float> lit(3 * vectors);
+    std::array<float, 3> mean{};
+    std::vector<float> lit(3 * components);
     for (std::size_t cluster = 0; cluster < info.clusters; ++cluster) {
         const std::size_t first = std::max<std::size_t>(table.cluster_blocks[cluster], blocks.first);
         const std::size_t last = std::min<std::size_t>(table.cluster_blocks[cluster + 1], blocks.last);
         if (first >= last) {
             continue;
         }
-        for (std::size_t j = 0; j < vectors; ++j) {
-            const float* m = table.clusters.data() + (cluster * vectors + j) * info.width();
+        for (std::size_t j = 0; j <= components; ++j) {
+            const float* m = table.clusters.data() + (cluster * (components + 1) + j) * info.width();
             for (std::size_t c = 0; c < 3; ++c) {
                 const float* channel = m + (info.channels == 3 ? c * n : 0);
                 const float* l = light.values.data() + c * light.coefficients;
-                float sum = 0.0F;
-                for (std::size_t i = 0; i < light.coefficients; ++i) {
-                    sum += channel[i] * l[i];
+                std::array<float, 4> part{}; // so that the additions overlap
+                std::size_t i = 0;
+                for (; i + 4 <= light.coefficients; i += 4) {
+                    for (std::size_t k = 0; k < 4; ++k) {
+                        part[k] += channel[i + k] * l[i + k];
+                    }
                 }
-                lit[c * vectors + j] = sum;
+                for (; i < light.coefficients; ++i) {
+                    part[0] += channel[i] * l[i];
+                }
+                const float sum = part[0] + part[1] + (part[2] + part[3]);
+                (j == 0 ? mean[c] : lit[c * components + j - 1]) = sum;
             }
         }
-        HWY_DYNAMIC_DISPATCH(EvaluateCluster)(table, lit.data(), first, last, &out[0].x);
+        HWY_DYNAMIC_DISPATCH(EvaluateCluster)(table, mean.data(), lit.data(), first, last, &out[0].x);
     }
 }
 

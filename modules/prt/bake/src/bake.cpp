@@ -9,6 +9,7 @@
 
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/core/parallel_for.hpp>
+#include <alpenglow/core/quiet.hpp>
 #include <alpenglow/core/timing.hpp>
 #include <alpenglow/sh/basis.hpp>
 #include <alpenglow/sh/irradiance.hpp>
@@ -531,8 +532,6 @@ Result<Bake> join(const Mesh& mesh, const BakeSettings& settings, const MeshRepo
         }
         if (report.hits_kept) {
             furnace(mesh, settings, source, part.visibility, points, report);
-        } else {
-            report.furnace_mean = report.furnace_worst = std::numeric_limits<double>::quiet_NaN();
         }
         report.bounces_cpu_s = process_cpu_seconds() - start;
     }
@@ -788,6 +787,12 @@ Result<Bake> bake_points(const Mesh& mesh, const BakePoints& where, const BakeSe
 
 std::string BakeReport::text() const {
     std::array<char, 1024> buffer{};
+    std::array<char, 64> furnace{"not measured: nothing bounces"};
+    if (is_number(furnace_mean)) {
+        std::snprintf(furnace.data(), furnace.size(), "mean %.4f, worst %.4f", furnace_mean, furnace_worst);
+    } else if (!hits_kept) {
+        std::snprintf(furnace.data(), furnace.size(), "not measured: hits were not kept");
+    }
     const double rate = rays_cpu_s > 0.0 ? static_cast<double>(shadow_rays + gather_rays) / rays_cpu_s : 0.0;
     std::snprintf(buffer.data(), buffer.size(),
                   "vertices               %zu\n"
@@ -802,14 +807,14 @@ std::string BakeReport::text() const {
                   "gather rays            %llu\n"
                   "rays per CPU second    %.3g\n"
                   "estimated RMS error    %.3g\n"
-                  "white furnace          mean %.4f, worst %.4f\n"
+                  "white furnace          %s\n"
                   "CPU seconds            %.2f rays, %.2f bounces\n"
                   "wall seconds           %.2f\n"
                   "bounces                %zu",
                   mesh.vertices, mesh.triangles, mesh.degenerate_triangles, mesh.isolated_vertices, mesh.bad_normals,
                   points, dark_points, inside_points, static_cast<unsigned long long>(shadow_rays),
-                  static_cast<unsigned long long>(gather_rays), rate, estimated_rms, furnace_mean, furnace_worst,
-                  rays_cpu_s, bounces_cpu_s, wall_s, bounce_energy.size());
+                  static_cast<unsigned long long>(gather_rays), rate, estimated_rms, furnace.data(), rays_cpu_s,
+                  bounces_cpu_s, wall_s, bounce_energy.size());
     std::string out(buffer.data());
     for (std::size_t b = 0; b < bounce_energy.size(); ++b) {
         std::snprintf(buffer.data(), buffer.size(), "%s%.3g", b == 0 ? ", energy " : ", ", bounce_energy[b]);

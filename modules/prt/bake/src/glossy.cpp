@@ -8,12 +8,16 @@
 
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/core/parallel_for.hpp>
+#include <alpenglow/prt/hash.hpp>
 #include <alpenglow/prt/lobe.hpp>
 #include <alpenglow/sh/basis.hpp>
 #include <alpenglow/sh/irradiance.hpp>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <span>
+#include <string>
 
 #include <glm/geometric.hpp>
 
@@ -41,10 +45,7 @@ Directions sphere_directions(std::size_t count, int order) {
     return set;
 }
 
-} // namespace
-
-Result<Bake> bake_glossy(const Mesh& mesh, const GlossySettings& s) {
-    const double start = wall_seconds();
+Status check(const GlossySettings& s) {
     if (s.order < 1 || s.order > 6 || s.out_order < 2 || s.out_order > 6) {
         return Error{"order " + std::to_string(s.order) + ", out_order " + std::to_string(s.out_order),
                      "glossy settings", "1 .. 6 and 2 .. 6"};
@@ -58,6 +59,32 @@ Result<Bake> bake_glossy(const Mesh& mesh, const GlossySettings& s) {
         return Error{"albedo " + std::to_string(s.default_albedo) + ", specular " + std::to_string(s.specular),
                      "glossy settings", "0 or more, together at most 1"};
     }
+    return Ok{};
+}
+
+std::uint64_t settings_hash(const GlossySettings& s) {
+    Hasher hasher;
+    const auto add = [&](const auto& value) { hasher.add(std::as_bytes(std::span(&value, 1))); };
+    add(s.transport);
+    add(s.order);
+    add(s.out_order);
+    add(s.rays);
+    add(s.gather_rays);
+    add(s.max_bounces);
+    add(s.stop_energy);
+    add(s.default_albedo);
+    add(s.specular);
+    add(s.phong_exponent);
+    add(s.seed);
+    return hasher.digest();
+}
+
+} // namespace
+
+Result<FieldPart> bake_glossy_part(const Mesh& mesh, const GlossySettings& s, std::size_t first, std::size_t count) {
+    if (const Status status = check(s); !status) {
+        return status.error();
+    }
     const Result<MeshReport> valid = validate(mesh);
     if (!valid) {
         return valid.error();
@@ -66,35 +93,36 @@ Result<Bake> bake_glossy(const Mesh& mesh, const GlossySettings& s) {
     if (!scene) {
         return scene.error();
     }
+    assert(first + count <= mesh.positions.size());
     const std::vector<Point> points = vertex_points(mesh);
-    Bake result;
-    TransferField& field = result.field;
-    field.kind = TransferKind::glossy;
-    field.order = s.order;
-    field.out_order = s.out_order;
-    field.count = points.size();
-    field.mesh_hash = mesh_hash(mesh);
-    const std::size_t width = field.width();
+    FieldPart part;
+    part.kind = TransferKind::glossy;
+    part.input_hash = mesh_hash(mesh);
+    part.settings_hash = settings_hash(s);
+    part.first = first;
+    part.count = count;
     const auto columns = static_cast<std::size_t>(s.order * s.order);
     const auto rows = static_cast<std::size_t>(s.out_order * s.out_order);
-    field.values.resize(field.count * width);
+    const std::size_t width = rows * columns;
+    part.values.resize(count * width);
 
     const int top_order = std::max(s.order, s.out_order);
     const Directions set = sphere_directions(s.rays, top_order);
-    std::vector<std::uint64_t> rays((field.count + grain - 1) / grain, 0);
+    std::vector<std::uint64_t> rays((count + grain - 1) / grain, 0);
     std::vector<std::size_t> dark(rays.size(), 0);
     std::vector<double> cpu(rays.size(), 0.0);
     const bool bounces = s.transport == Transport::interreflected;
-    Ticker ticker(s.progress, "rays", 0.0, bounces ? 0.5 : 1.0, field.count);
+    Ticker ticker(s.progress, "rays", 0.0, bounces ? 0.5 : 1.0, count);
     parallel_for(
-        field.count, grain,
+        count, grain,
         [&](std::size_t begin, std::size_t end) {
             const double begin_s = thread_cpu_seconds();
             std::vector<glm::vec3> directions;
             std::vector<std::uint32_t> which;
             std::vector<std::uint8_t> hit;
             std::array<CoefficientRow, 36> sum;
-            for (std::size_t p = begin; p < end && !ticker.cancelled(); ++p) {
+            for (std::size_t k_point = begin; k_point < end && !ticker.cancelled(); ++k_point) {
+                const std::size_t p = first + k_point;
                 if (points[p].normal == glm::vec3(0.0F)) {
                     continue;
                 }
@@ -124,7 +152,7 @@ Result<Bake> bake_glossy(const Mesh& mesh, const GlossySettings& s) {
                     }
                 }
                 const float weight = static_cast<float>(4.0 * pi / static_cast<double>(set.d.size()));
-                const std::span<float> m = field.point(p);
+                const std::span<float> m(part.values.data() + k_point * width, width);
                 for (std::size_t i = 0; i < rows; ++i) {
                     for (std::size_t j = 0; j < columns; ++j) {
                         m[i * columns + j] = weight * sum[i].values[j];
@@ -139,17 +167,68 @@ Result<Bake> bake_glossy(const Mesh& mesh, const GlossySettings& s) {
     if (ticker.cancelled()) {
         return Error{"cancelled", "bake", ""};
     }
+    for (std::size_t c = 0; c < rays.size(); ++c) {
+        part.rays += rays[c];
+        part.dark_points += dark[c];
+        part.cpu_s += cpu[c];
+    }
+    return part;
+}
+
+Result<Bake> bake_glossy(const Mesh& mesh, const GlossySettings& s) {
+    const double start = wall_seconds();
+    Result<FieldPart> part = bake_glossy_part(mesh, s, 0, mesh.positions.size());
+    if (!part) {
+        return part.error();
+    }
+    std::vector<FieldPart> parts;
+    parts.push_back(std::move(part).value());
+    Result<Bake> baked = finish_glossy(mesh, s, std::move(parts));
+    if (baked) {
+        baked->report.wall_s = wall_seconds() - start;
+    }
+    return baked;
+}
+
+Result<Bake> finish_glossy(const Mesh& mesh, const GlossySettings& s, std::vector<FieldPart> parts) {
+    const double start = wall_seconds();
+    if (const Status status = check(s); !status) {
+        return status.error();
+    }
+    const Result<MeshReport> valid = validate(mesh);
+    if (!valid) {
+        return valid.error();
+    }
+    const std::vector<Point> points = vertex_points(mesh);
+    Bake result;
+    TransferField& field = result.field;
+    field.kind = TransferKind::glossy;
+    field.order = s.order;
+    field.out_order = s.out_order;
+    field.count = points.size();
+    field.mesh_hash = mesh_hash(mesh);
+    const std::size_t width = field.width();
+    const auto columns = static_cast<std::size_t>(s.order * s.order);
+    const auto rows = static_cast<std::size_t>(s.out_order * s.out_order);
+    Result<FieldPart> all = joined(std::move(parts), field.kind, field.mesh_hash, settings_hash(s), field.count, width);
+    if (!all) {
+        return all.error();
+    }
+    field.values = std::move(all->values);
     BakeReport& report = result.report;
     report.mesh = *valid;
     report.points = field.count;
-    for (std::size_t c = 0; c < rays.size(); ++c) {
-        report.shadow_rays += rays[c];
-        report.dark_points += dark[c];
-        report.rays_cpu_s += cpu[c];
-    }
-    if (!bounces) {
+    report.shadow_rays = all->rays;
+    report.dark_points = all->dark_points;
+    report.rays_cpu_s = all->cpu_s;
+    if (s.transport != Transport::interreflected) {
         report.wall_s = wall_seconds() - start;
         return result;
+    }
+
+    const Result<Scene> scene = Scene::build(mesh, s.threads);
+    if (!scene) {
+        return scene.error();
     }
 
     // Bounces: what leaves the surfaces that a point sees (the paper's second glossy rule, with a diffuse part beside
@@ -264,7 +343,6 @@ Result<Bake> bake_glossy(const Mesh& mesh, const GlossySettings& s) {
         }
     }
     report.bounces_cpu_s = process_cpu_seconds() - bounces_start;
-    report.furnace_mean = report.furnace_worst = std::nan("");
     report.wall_s = wall_seconds() - start;
     return result;
 }

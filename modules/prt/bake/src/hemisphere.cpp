@@ -118,9 +118,10 @@ Hemisphere::Hemisphere(const BakeSettings& settings)
                 dv.values[i] = static_cast<float>(slope_v[i]);
             }
             if (cell % level.sectors == 0) {
-                level.ring_integral.emplace_back();
+                level.before.emplace_back();
             }
-            add(level.ring_integral.back(), m);
+            level.before.push_back(level.before.back());
+            add(level.before.back(), m);
         }
     }
 }
@@ -161,8 +162,8 @@ HemisphereResult Hemisphere::trace_list(const Scene& scene, const glm::vec3& ori
     for (std::size_t i = 0; i < count; ++i) {
         blocked += scratch.hit[i];
     }
-    // The sum over the smaller set; the other follows from the closed form, so that a free point is exact and a
-    // closed-in one is exactly dark.
+    // The smaller of the two sets is summed: the visible directions as they are, or the blocked ones, which come off
+    // the open hemisphere's closed form. A free point is exact, a closed-in one exactly dark.
     const bool sum_visible = 2 * blocked > count;
     CoefficientRow sum;
     std::array<float, sh::max_coefficients> y{};
@@ -308,7 +309,7 @@ Hemisphere::Coverage Hemisphere::integrate(const Level& level, const Scene& scen
     for (std::size_t i = 0; i < rings; ++i) {
         if (uniform_ring(i)) {
             if (ring_kind[i] == coverage.kind) {
-                add(coverage.sum, level.ring_integral[i]);
+                add(coverage.sum, level.before[i * (sectors + 1) + sectors]);
                 coverage.part += measure * static_cast<double>(sectors);
             }
             continue;
@@ -319,14 +320,24 @@ Hemisphere::Coverage Hemisphere::integrate(const Level& level, const Scene& scen
             // Corners around the cell: (u, v) = (0, 0), (1, 0), (1, 1), (0, 1).
             const std::uint8_t corner[4] = {node[a], node[a + sectors], node[d + sectors], node[d]};
             const int blocked = corner[0] + corner[1] + corner[2] + corner[3];
-            const CoefficientRow& whole = level.integral[a];
             if (blocked == 0 || blocked == 4) {
-                if (corner[0] == coverage.kind) {
-                    add(coverage.sum, whole);
-                    coverage.part += measure;
+                if (corner[0] != coverage.kind) {
+                    continue;
                 }
+                // A run of covered cells at once.
+                const std::size_t from = j;
+                while (j + 1 < sectors && node[i * sectors + next(j + 1)] == coverage.kind &&
+                       node[(i + 1) * sectors + next(j + 1)] == coverage.kind) {
+                    ++j;
+                }
+                const CoefficientRow* before = level.before.data() + i * (sectors + 1);
+                for (std::size_t k = 0; k < padded_; ++k) {
+                    coverage.sum.values[k] += before[j + 1].values[k] - before[from].values[k];
+                }
+                coverage.part += measure * static_cast<double>(j + 1 - from);
                 continue;
             }
+            const CoefficientRow& whole = level.integral[a];
             // The polygon of the corners of one kind. Of a saddle's two kinds, the one that the middle joins.
             std::uint8_t kind = 1;
             if (blocked == 2 && corner[0] == corner[2]) {

@@ -88,7 +88,8 @@ private:
         std::vector<CoefficientRow> integral; // int over a cell of cos/pi y,
         std::vector<CoefficientRow> slope_u;  // and of its best linear fit the slopes along the cell's sides
         std::vector<CoefficientRow> slope_v;
-        std::vector<CoefficientRow> ring_integral; // of a ring's cells together
+        std::vector<CoefficientRow>
+            before;                       // of a ring's cells before each sector and, last, of all: [ring][sectors + 1]
         std::vector<std::uint32_t> fresh; // nodes that the next coarser grid does not have, and their directions
         DirectionList fresh_directions;
         [[nodiscard]] glm::vec3 direction(std::size_t eighth_u, std::size_t eighth_v) const {

@@ -7,9 +7,11 @@
 
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/core/parallel_for.hpp>
+#include <alpenglow/prt/hash.hpp>
 #include <alpenglow/sh/basis.hpp>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <string>
 
@@ -29,25 +31,54 @@ Grid grid_around(const Mesh& mesh, const glm::uvec3& size, float beside, float a
     return {size, low, (high - low) / glm::vec3(glm::max(size, glm::uvec3(2)) - 1U)};
 }
 
-Result<Bake> bake_neighbourhood(const Mesh& mesh, const Grid& grid, const NeighbourhoodSettings& s) {
-    const double start = wall_seconds();
+namespace {
+
+std::size_t point_count(const Grid& grid) {
+    return std::size_t{grid.size.x} * grid.size.y * grid.size.z;
+}
+
+Status check(const Grid& grid, const NeighbourhoodSettings& s) {
     if (s.order < 1 || s.order > 6 || s.out_order < 2 || s.out_order > 6 || s.rays < 16 ||
         s.rays > (std::size_t{1} << 24U)) {
         return Error{"order " + std::to_string(s.order) + ", out_order " + std::to_string(s.out_order) + ", rays " +
                          std::to_string(s.rays),
                      "neighbourhood settings", "1 .. 6, 2 .. 6, 16 .. 16777216"};
     }
-    const std::size_t count = std::size_t{grid.size.x} * grid.size.y * grid.size.z;
+    const std::size_t count = point_count(grid);
     if (count == 0 || count > (std::size_t{1} << 28U) ||
         !(grid.step_m.x > 0.0F && grid.step_m.y > 0.0F && grid.step_m.z > 0.0F)) {
         return Error{std::to_string(grid.size.x) + " x " + std::to_string(grid.size.y) + " x " +
                          std::to_string(grid.size.z) + " points",
                      "neighbourhood grid", "1 to 2^28 points with positive steps"};
     }
+    return Ok{};
+}
+
+std::uint64_t settings_hash(const Grid& grid, const NeighbourhoodSettings& s) {
+    Hasher hasher;
+    const auto add = [&](const auto& value) { hasher.add(std::as_bytes(std::span(&value, 1))); };
+    add(grid);
+    add(s.order);
+    add(s.out_order);
+    add(s.rays);
+    add(s.bounce);
+    add(s.default_albedo);
+    add(s.seed);
+    return hasher.digest();
+}
+
+} // namespace
+
+Result<FieldPart> bake_neighbourhood_part(const Mesh& mesh, const Grid& grid, const NeighbourhoodSettings& s,
+                                          std::size_t first, std::size_t count) {
+    if (const Status status = check(grid, s); !status) {
+        return status.error();
+    }
     const Result<MeshReport> valid = validate(mesh);
     if (!valid) {
         return valid.error();
     }
+    assert(first + count <= point_count(grid));
     const Result<Scene> scene = Scene::build(mesh, s.threads);
     if (!scene) {
         return scene.error();
@@ -62,22 +93,20 @@ Result<Bake> bake_neighbourhood(const Mesh& mesh, const Grid& grid, const Neighb
         settings.threads = s.threads;
         Result<Bake> baked = bake(mesh, settings);
         if (!baked) {
-            return baked;
+            return baked.error();
         }
         surface = std::move(*baked);
     }
-    Bake result;
-    TransferField& field = result.field;
-    field.kind = TransferKind::neighbourhood;
-    field.order = s.order;
-    field.out_order = s.out_order;
-    field.count = count;
-    field.grid = grid;
-    field.mesh_hash = mesh_hash(mesh);
-    const std::size_t width = field.width();
+    FieldPart part;
+    part.kind = TransferKind::neighbourhood;
+    part.input_hash = mesh_hash(mesh);
+    part.settings_hash = settings_hash(grid, s);
+    part.first = first;
+    part.count = count;
     const auto columns = static_cast<std::size_t>(s.order * s.order);
     const auto rows = static_cast<std::size_t>(s.out_order * s.out_order);
-    field.values.resize(count * width);
+    const std::size_t width = rows * columns;
+    part.values.resize(count * width);
 
     const std::vector<glm::dvec3> exact = fibonacci_sphere(s.rays);
     const std::vector<glm::vec3> directions(exact.begin(), exact.end());
@@ -89,7 +118,7 @@ Result<Bake> bake_neighbourhood(const Mesh& mesh, const Grid& grid, const Neighb
             y[k].values[i] = static_cast<float>(values[i]);
         }
     }
-    std::vector<std::uint8_t> inside(count, 0);
+    part.inside.assign(count, 0);
     const double cpu = process_cpu_seconds();
     Ticker ticker(s.progress, "rays", 0.0, 1.0, count);
     parallel_for(
@@ -99,7 +128,8 @@ Result<Bake> bake_neighbourhood(const Mesh& mesh, const Grid& grid, const Neighb
             std::array<CoefficientRow, 36> sum;
             std::array<float, 36> leaving{};
             const float weight = static_cast<float>(4.0 * pi / static_cast<double>(directions.size()));
-            for (std::size_t p = begin; p < end && !ticker.cancelled(); ++p) {
+            for (std::size_t k_point = begin; k_point < end && !ticker.cancelled(); ++k_point) {
+                const std::size_t p = first + k_point;
                 const glm::vec3 at =
                     grid.origin_m + grid.step_m * glm::vec3(static_cast<float>(p % grid.size.x),
                                                             static_cast<float>(p / grid.size.x % grid.size.y),
@@ -135,13 +165,13 @@ Result<Bake> bake_neighbourhood(const Mesh& mesh, const Grid& grid, const Neighb
                         }
                     }
                 }
-                const std::span<float> m = field.point(p);
+                const std::span<float> m(part.values.data() + k_point * width, width);
                 for (std::size_t i = 0; i < rows; ++i) {
                     for (std::size_t j = 0; j < columns; ++j) {
                         m[i * columns + j] = (i == j ? 1.0F : 0.0F) - weight * sum[i].values[j];
                     }
                 }
-                inside[p] = 2 * backs > directions.size() ? 1 : 0;
+                part.inside[k_point] = 2 * backs > directions.size() ? 1 : 0;
                 if (blocked == directions.size()) { // closed in: exactly dark but for what bounces
                     if (!s.bounce) {
                         std::fill(m.begin(), m.end(), 0.0F);
@@ -154,18 +184,69 @@ Result<Bake> bake_neighbourhood(const Mesh& mesh, const Grid& grid, const Neighb
     if (ticker.cancelled()) {
         return Error{"cancelled", "bake", ""};
     }
+    part.rays = count * directions.size();
+    part.cpu_s = process_cpu_seconds() - cpu;
+    return part;
+}
+
+Result<Bake> bake_neighbourhood(const Mesh& mesh, const Grid& grid, const NeighbourhoodSettings& s) {
+    const double start = wall_seconds();
+    if (const Status status = check(grid, s); !status) {
+        return status.error();
+    }
+    Result<FieldPart> part = bake_neighbourhood_part(mesh, grid, s, 0, point_count(grid));
+    if (!part) {
+        return part.error();
+    }
+    std::vector<FieldPart> parts;
+    parts.push_back(std::move(part).value());
+    Result<Bake> baked = finish_neighbourhood(mesh, grid, s, std::move(parts));
+    if (baked) {
+        baked->report.wall_s = wall_seconds() - start;
+    }
+    return baked;
+}
+
+Result<Bake> finish_neighbourhood(const Mesh& mesh, const Grid& grid, const NeighbourhoodSettings& s,
+                                  std::vector<FieldPart> parts) {
+    const double start = wall_seconds();
+    if (const Status status = check(grid, s); !status) {
+        return status.error();
+    }
+    const Result<MeshReport> valid = validate(mesh);
+    if (!valid) {
+        return valid.error();
+    }
+    const std::size_t count = point_count(grid);
+    Bake result;
+    TransferField& field = result.field;
+    field.kind = TransferKind::neighbourhood;
+    field.order = s.order;
+    field.out_order = s.out_order;
+    field.count = count;
+    field.grid = grid;
+    field.mesh_hash = mesh_hash(mesh);
+    const std::size_t width = field.width();
+    Result<FieldPart> all = joined(std::move(parts), field.kind, field.mesh_hash, settings_hash(grid, s), count, width);
+    if (!all) {
+        return all.error();
+    }
+    if (all->inside.size() != count) {
+        return Error{std::to_string(all->inside.size()) + " marks of the inside", "parts", std::to_string(count)};
+    }
+    field.values = std::move(all->values);
     BakeReport& report = result.report;
     report.mesh = *valid;
     report.points = count;
-    report.shadow_rays = count * directions.size();
-    report.rays_cpu_s = process_cpu_seconds() - cpu;
-    report.inside_points = static_cast<std::size_t>(std::count(inside.begin(), inside.end(), 1));
+    report.shadow_rays = all->rays;
+    report.rays_cpu_s = all->cpu_s;
+    report.inside_points = static_cast<std::size_t>(std::count(all->inside.begin(), all->inside.end(), 1));
     if (report.inside_points == count) {
         return Error{"all " + std::to_string(count) + " points lie inside the mesh", "neighbourhood grid",
                      "points around the mesh"};
     }
     // Fill the inside from its border inwards.
-    std::vector<std::uint8_t> hole = inside;
+    std::vector<std::uint8_t> hole = std::move(all->inside);
     for (bool again = report.inside_points > 0; again;) {
         again = false;
         std::vector<std::uint8_t> next = hole;

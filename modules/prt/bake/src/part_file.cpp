@@ -48,6 +48,42 @@ struct PartHeader {
 static_assert(sizeof(PartHeader) == 176);
 static_assert(sizeof(GatherHit) == 8);
 
+constexpr std::array<char, 8> field_magic{'A', 'G', 'B', 'A', 'K', 'E', 'F', 'P'};
+
+struct FieldPartHeader {
+    std::array<char, 8> magic_value = field_magic;
+    std::uint32_t version_value = version;
+    std::uint32_t kind = 0;
+    std::uint64_t checksum = 0; // of the file with this field zero
+    std::uint64_t input_hash = 0;
+    std::uint64_t settings_hash = 0;
+    std::uint64_t first = 0;
+    std::uint64_t count = 0;
+    std::uint64_t values = 0;
+    std::uint64_t inside = 0;
+    std::uint64_t rays = 0;
+    std::uint64_t dark_points = 0;
+    double cpu_s = 0.0;
+    // Settings, of the kind.
+    std::uint32_t transport = 0;
+    std::int32_t order = 0;
+    std::int32_t out_order = 0;
+    std::int32_t max_bounces = 0;
+    std::uint64_t rays_setting = 0; // a volume's directions
+    std::uint64_t gather_rays = 0;
+    double stop_energy = 0.0;
+    std::uint64_t seed = 0;
+    float albedo = 0.0F;
+    float specular = 0.0F;
+    float phong_exponent = 0.0F;
+    std::uint32_t bounce = 0;
+    glm::uvec3 grid_size{0};
+    glm::vec3 grid_origin_m{0.0F};
+    glm::vec3 grid_step_m{0.0F};
+    std::uint32_t reserved = 0;
+};
+static_assert(sizeof(FieldPartHeader) == 200);
+
 } // namespace
 
 Status save_part(const BakeSettings& settings, const BakePart& part, const std::filesystem::path& path) {
@@ -161,6 +197,156 @@ Result<SavedPart> load_part(const std::filesystem::path& path) {
     s.default_albedo = header.default_albedo;
     s.seed = header.seed;
     return saved;
+}
+
+Status save_field_part(const SavedFieldPart& saved, const std::filesystem::path& path) {
+    const FieldPart& part = saved.part;
+    FieldPartHeader header;
+    header.kind = static_cast<std::uint32_t>(part.kind);
+    header.input_hash = part.input_hash;
+    header.settings_hash = part.settings_hash;
+    header.first = part.first;
+    header.count = part.count;
+    header.values = part.values.size();
+    header.inside = part.inside.size();
+    header.rays = part.rays;
+    header.dark_points = part.dark_points;
+    header.cpu_s = part.cpu_s;
+    if (part.kind == TransferKind::glossy) {
+        const GlossySettings& s = saved.glossy;
+        header.transport = static_cast<std::uint32_t>(s.transport);
+        header.order = s.order;
+        header.out_order = s.out_order;
+        header.max_bounces = s.max_bounces;
+        header.rays_setting = s.rays;
+        header.gather_rays = s.gather_rays;
+        header.stop_energy = s.stop_energy;
+        header.seed = s.seed;
+        header.albedo = s.default_albedo;
+        header.specular = s.specular;
+        header.phong_exponent = s.phong_exponent;
+    } else if (part.kind == TransferKind::neighbourhood) {
+        const NeighbourhoodSettings& s = saved.neighbourhood;
+        header.order = s.order;
+        header.out_order = s.out_order;
+        header.rays_setting = s.rays;
+        header.seed = s.seed;
+        header.albedo = s.default_albedo;
+        header.bounce = s.bounce ? 1 : 0;
+        header.grid_size = saved.grid.size;
+        header.grid_origin_m = saved.grid.origin_m;
+        header.grid_step_m = saved.grid.step_m;
+    } else {
+        const VolumeSettings& s = saved.volume;
+        header.order = s.order;
+        header.max_bounces = s.max_bounces;
+        header.rays_setting = s.directions;
+        header.stop_energy = s.stop_energy;
+        header.albedo = s.albedo;
+    }
+    const std::array<std::span<const std::byte>, 3> data{std::as_bytes(std::span(&header, 1)),
+                                                         std::as_bytes(std::span(part.values)),
+                                                         std::as_bytes(std::span(part.inside))};
+    Hasher hasher;
+    for (const std::span<const std::byte> part_of_file : data) {
+        hasher.add(part_of_file);
+    }
+    header.checksum = hasher.digest();
+    return write_file_atomically(path, data);
+}
+
+Result<SavedFieldPart> load_field_part(const std::filesystem::path& path) {
+    const auto wrong = [&](const std::string& what, const std::string& expected) {
+        return Error{what, path.string(), expected};
+    };
+    std::error_code code;
+    const std::uint64_t bytes = std::filesystem::file_size(path, code);
+    std::ifstream file(path, std::ios::binary);
+    FieldPartHeader header;
+    if (code || !file || bytes < sizeof header || !file.read(reinterpret_cast<char*>(&header), sizeof header) ||
+        header.magic_value != field_magic) {
+        return wrong("is not a part of a glossy, neighbourhood or volume bake",
+                     "a part written by alpenglow-bake --shard");
+    }
+    if (header.version_value != version) {
+        return wrong("version is " + std::to_string(header.version_value), std::to_string(version));
+    }
+    constexpr std::uint64_t most = std::uint64_t{1} << 40U;
+    const auto kind = static_cast<TransferKind>(header.kind);
+    if ((kind != TransferKind::glossy && kind != TransferKind::neighbourhood && kind != TransferKind::volume) ||
+        header.values > most || header.inside > most || header.transport > 2 ||
+        bytes != sizeof header + 4 * header.values + header.inside) {
+        return wrong("has " + std::to_string(bytes) + " bytes, its header says otherwise", "an undamaged part");
+    }
+    SavedFieldPart saved;
+    FieldPart& part = saved.part;
+    part.values.resize(header.values);
+    part.inside.resize(header.inside);
+    const auto read = [&](auto& values) {
+        const std::span<std::byte> to = std::as_writable_bytes(std::span(values));
+        return to.empty() ||
+               file.read(reinterpret_cast<char*>(to.data()), static_cast<std::streamsize>(to.size())).good();
+    };
+    if (!read(part.values) || !read(part.inside)) {
+        return wrong("ends early", "an undamaged part");
+    }
+    const std::uint64_t checksum = header.checksum;
+    header.checksum = 0;
+    Hasher hasher;
+    hasher.add(std::as_bytes(std::span(&header, 1)));
+    hasher.add(std::as_bytes(std::span(part.values)));
+    hasher.add(std::as_bytes(std::span(part.inside)));
+    if (hasher.digest() != checksum) {
+        return wrong("checksum does not match", "an undamaged part");
+    }
+    part.kind = kind;
+    part.input_hash = header.input_hash;
+    part.settings_hash = header.settings_hash;
+    part.first = header.first;
+    part.count = header.count;
+    part.rays = header.rays;
+    part.dark_points = header.dark_points;
+    part.cpu_s = header.cpu_s;
+    if (kind == TransferKind::glossy) {
+        GlossySettings& s = saved.glossy;
+        s.transport = static_cast<Transport>(header.transport);
+        s.order = header.order;
+        s.out_order = header.out_order;
+        s.max_bounces = header.max_bounces;
+        s.rays = header.rays_setting;
+        s.gather_rays = header.gather_rays;
+        s.stop_energy = header.stop_energy;
+        s.seed = header.seed;
+        s.default_albedo = header.albedo;
+        s.specular = header.specular;
+        s.phong_exponent = header.phong_exponent;
+    } else if (kind == TransferKind::neighbourhood) {
+        NeighbourhoodSettings& s = saved.neighbourhood;
+        s.order = header.order;
+        s.out_order = header.out_order;
+        s.rays = header.rays_setting;
+        s.seed = header.seed;
+        s.default_albedo = header.albedo;
+        s.bounce = header.bounce != 0;
+        saved.grid = {header.grid_size, header.grid_origin_m, header.grid_step_m};
+    } else {
+        VolumeSettings& s = saved.volume;
+        s.order = header.order;
+        s.max_bounces = header.max_bounces;
+        s.directions = header.rays_setting;
+        s.stop_energy = header.stop_energy;
+        s.albedo = header.albedo;
+    }
+    return saved;
+}
+
+char part_file_kind(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::array<char, 8> start{};
+    if (!file.read(start.data(), start.size())) {
+        return 0;
+    }
+    return start == magic ? 'd' : start == field_magic ? 'f' : '\0';
 }
 
 } // namespace alpenglow::prt

@@ -5,6 +5,7 @@
 #include <alpenglow/prt/validate.hpp>
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -61,11 +62,13 @@ struct BakeReport {
     std::uint64_t gather_rays = 0;
     double estimated_rms = 0.0;        // from the spread at visibility edges
     std::vector<double> bounce_energy; // each bounce's mean response to constant light over the direct one
-    double furnace_mean = 1.0;  // mean response of lit points to constant light if every albedo were 1: 1 if closed
-    double furnace_worst = 1.0; // the one farthest from 1
+    // Mean response of lit points to constant light if every albedo were 1, which is 1 if no light gets lost, and the
+    // response farthest from 1. NaN where nothing bounces or the hits were not kept.
+    double furnace_mean = std::numeric_limits<double>::quiet_NaN();
+    double furnace_worst = std::numeric_limits<double>::quiet_NaN();
     bool hits_kept = true;      // false: memory_bytes was too small, bounces traced again
-    double rays_cpu_s = 0.0;         // making, shooting and summing up rays
-    double tracing_cpu_s = 0.0;      // of that, shadow rays within the ray tracer, if measured
+    double rays_cpu_s = 0.0;    // making, shooting and summing up rays
+    double tracing_cpu_s = 0.0; // of that, shadow rays within the ray tracer, if measured
     double bounces_cpu_s = 0.0;
     double wall_s = 0.0;
 

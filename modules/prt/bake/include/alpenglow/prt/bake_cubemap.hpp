@@ -4,14 +4,29 @@
 
 #include <alpenglow/prt/bake.hpp>
 
+#include <functional>
+#include <span>
+
+#include <glm/vec3.hpp>
+
 namespace alpenglow::prt {
 
-// The mesh rasterised on the CPU around vertices [first, first + count), moved along their normals as a ray's origin is
-// (the page's near plane), on cube faces of resolution^2 texels, 4 .. 128, depth and triangle per texel. Cost per
-// vertex grows with the number of triangles. settings.rays, max_error and sampling do not matter here; gather hits are
-// read from the cube at the directions that rays would take. Mirrors are an Error.
+// Draws the mesh around each eye: texel (face * resolution + y) * resolution + x of each cube, one cube after the
+// other, gets the triangle that its middle sees first, or no_triangle. Face 2 axis + (negative ? 1 : 0); the direction
+// of texel (x, y) has 1 or -1 on `axis`, (2 x + 1) / resolution - 1 on the next axis and likewise y on the one after.
+inline constexpr std::uint32_t no_triangle = 0xFFFFFFFFU;
+using CubeRasteriser = std::function<Status(std::span<const glm::vec3> eyes_m, std::span<std::uint32_t> triangles)>;
+
+// Vertices [first, first + count), moved along their normals as a ray's origin is (the page's near plane), on cube
+// faces of resolution^2 texels, 4 .. 128. settings.rays, max_error and sampling do not matter here; gather hits are
+// read from the cube at the directions that rays would take. Mirrors are an Error. The mesh is rasterised on the CPU,
+// at a cost per vertex that grows with the number of triangles; on a device: bake_cubemap_vulkan.hpp.
 [[nodiscard]] Result<BakePart> bake_part_cubemap(const Mesh& mesh, const BakeSettings& settings, std::size_t resolution,
                                                  std::size_t first, std::size_t count);
+// The same by a rasteriser of another kind, which gets `batch` eyes at a time.
+[[nodiscard]] Result<BakePart> bake_part_cubemap(const Mesh& mesh, const BakeSettings& settings, std::size_t resolution,
+                                                 std::size_t first, std::size_t count, const CubeRasteriser& rasteriser,
+                                                 std::size_t batch);
 
 // All vertices, joined.
 [[nodiscard]] Result<Bake> bake_cubemap(const Mesh& mesh, const BakeSettings& settings, std::size_t resolution = 32);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <alpenglow/prt/bake.hpp>
+#include <alpenglow/prt/field_part.hpp>
 
 namespace alpenglow::prt {
 
@@ -25,5 +26,11 @@ struct GlossySettings {
 // One matrix a vertex: light coefficients -> coefficients of the radiance that arrives at the vertex from its upper
 // hemisphere (M^GS, eq. 11, and its bounces); below the horizon the surface itself is in the way.
 [[nodiscard]] Result<Bake> bake_glossy(const Mesh& mesh, const GlossySettings& settings);
+
+// The same in parts. Bounces need all vertices: `finish_glossy` traces them.
+[[nodiscard]] Result<FieldPart> bake_glossy_part(const Mesh& mesh, const GlossySettings& settings, std::size_t first,
+                                                 std::size_t count);
+[[nodiscard]] Result<Bake> finish_glossy(const Mesh& mesh, const GlossySettings& settings,
+                                         std::vector<FieldPart> parts);
 
 } // namespace alpenglow::prt

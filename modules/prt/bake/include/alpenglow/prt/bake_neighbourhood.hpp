@@ -3,6 +3,7 @@
 #pragma once
 
 #include <alpenglow/prt/bake.hpp>
+#include <alpenglow/prt/field_part.hpp>
 
 namespace alpenglow::prt {
 
@@ -22,6 +23,13 @@ struct NeighbourhoodSettings {
 // them as inside.
 [[nodiscard]] Result<Bake> bake_neighbourhood(const Mesh& mesh, const Grid& grid,
                                               const NeighbourhoodSettings& settings);
+
+// The same in parts. With `bounce`, each part bakes the object's own surface.
+[[nodiscard]] Result<FieldPart> bake_neighbourhood_part(const Mesh& mesh, const Grid& grid,
+                                                        const NeighbourhoodSettings& settings, std::size_t first,
+                                                        std::size_t count);
+[[nodiscard]] Result<Bake> finish_neighbourhood(const Mesh& mesh, const Grid& grid,
+                                                const NeighbourhoodSettings& settings, std::vector<FieldPart> parts);
 
 // A grid of `size` points around the mesh: `beside` and `above` times its half width on the sides and above, and
 // `below` below, where shadows fall.

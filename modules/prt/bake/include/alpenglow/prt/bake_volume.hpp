@@ -3,6 +3,7 @@
 #pragma once
 
 #include <alpenglow/prt/bake.hpp>
+#include <alpenglow/prt/field_part.hpp>
 
 namespace alpenglow::prt {
 
@@ -27,5 +28,11 @@ struct VolumeSettings {
 // grid's end; bounces gather what scatters along the rays, where the paper deposits it. Points with no extinction in
 // the cells around them are left at zero: nothing shows there.
 [[nodiscard]] Result<Bake> bake_volume(const VolumeDensity& density, const VolumeSettings& settings);
+
+// The same in parts. Bounces need all voxels: `finish_volume` walks them.
+[[nodiscard]] Result<FieldPart> bake_volume_part(const VolumeDensity& density, const VolumeSettings& settings,
+                                                 std::size_t first, std::size_t count);
+[[nodiscard]] Result<Bake> finish_volume(const VolumeDensity& density, const VolumeSettings& settings,
+                                         std::vector<FieldPart> parts);
 
 } // namespace alpenglow::prt
