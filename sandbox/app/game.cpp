@@ -54,6 +54,9 @@ void Game::update(double dt_s, int width, int height) {
     reports_.push_back(update_sky(registry_, stage_.frame));
     reports_.push_back(update_sky_light(registry_, stage_.frame));
     reports_.push_back(update_dome());
+    for (const std::unique_ptr<Part>& part : parts_) {
+        part->relight(stage_);
+    }
     reports_.push_back(update_terrain(height));
     reports_.push_back(update_shadows());
     update_frame(dt_s);
@@ -79,8 +82,10 @@ void Game::enter(const Scene& scene) {
     exposure_bias_ev = scene.exposure_bias_ev;
     exposed_ = false;
     parts_.clear();
+    frame_.environment = nullptr;
     frame_.probes = nullptr;
     frame_.transfer = nullptr;
+    sky_light_revision_ = 0; // the dome may have been a picture's
     parts_ = make_parts(stage_, scene);
 }
 
@@ -102,7 +107,7 @@ SystemReport Game::update_dome() {
     for (SkyVertex& vertex : dome_) {
         vertex.radiance_cd_m2 = sky::sky_radiance(sky(), model, vertex.direction);
     }
-    ++frame_.sky_revision;
+    dome_revision_ = next_revision();
     report.updated = 1;
     report.cpu_ms = (thread_cpu_seconds() - start) * 1e3;
     return report;
@@ -152,6 +157,7 @@ void Game::update_frame(double dt_s) {
     frame_.shadow_indices = world_->shadows->indices();
     frame_.shadow_revision = world_->shadows->revision();
     frame_.sky_vertices = dome_;
+    frame_.sky_revision = dome_revision_;
 }
 
 } // namespace alpenglow::sandbox

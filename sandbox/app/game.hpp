@@ -32,6 +32,9 @@ public:
     // How light probes get pictures of the scene; without one they are assembled.
     void capture_with(CaptureFace capture) { stage_.capture = std::move(capture); }
 
+    // What went wrong with a scene's files since the last call.
+    [[nodiscard]] std::vector<Error> take_problems() { return std::exchange(stage_.problems, {}); }
+
     // Advances the world by dt_s of real time and prepares the frame for an image of that size.
     void update(double dt_s, int width, int height);
 
@@ -75,6 +78,7 @@ private:
     BasicRegistry::entity_type sky_;
     std::uint32_t sky_light_revision_ = 0; // of SkyLightSh
     std::vector<SkyVertex> dome_;
+    std::uint32_t dome_revision_ = 0;
     FrameData frame_;
     std::vector<SystemReport> reports_;
     std::uint64_t frame_index_ = 0;

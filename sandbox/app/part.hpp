@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <alpenglow/core/result.hpp>
 #include <alpenglow/core/system_report.hpp>
 #include <alpenglow/ecs/registry.hpp>
 #include <alpenglow/systems/frame.hpp>
@@ -36,6 +37,7 @@ struct Stage {
     double world_dt_s = 0.0;            // real time while the scene's clock runs, 0 while it stands: for what moves
     int width = 0, height = 0;          // of the picture, pixels
     Quality quality = Quality::lean;    // of the renderer
+    std::vector<Error> problems{};       // of a scene's files: it goes on without what they hold; told and emptied
     CaptureFace capture{};              // empty without a renderer
 };
 
@@ -56,6 +58,8 @@ public:
     virtual ~Part() = default;
     // Ahead of the sky's systems: move the camera, ask for sky light.
     virtual void begin(Stage& /*stage*/) {}
+    // Once Stage::light is that of the sky, ahead of all that is made of it: puts other light in its place.
+    virtual void relight(Stage& /*stage*/) {}
     // Runs the part's systems, appends their reports, points Stage::drawn at what is to be drawn.
     virtual void update(Stage& stage) = 0;
     virtual void draw_panel(PanelWriter& /*panel*/) {}

@@ -114,12 +114,11 @@ ProbeScene::~ProbeScene() {
 
 // Things move as long as time does, at the pace of real time.
 void ProbeScene::update(Stage& stage) {
-    const SkyState& sky = registry_.get<SkyState>(stage.sky);
-    const YardLight light{.to_sun = stage.light.to_sun,
-                          .to_moon = stage.light.to_moon,
-                          .sun_lux = sky.sun_illuminance_lux,
-                          .moon_lux = sky.moon_illuminance_lux,
-                          .irradiance_matrix = stage.light.irradiance_matrix};
+    const YardLight light{.to_sun = stage.drawn.to_sun,
+                          .to_moon = stage.drawn.to_moon,
+                          .sun_lux = stage.drawn.sun_illuminance_lux,
+                          .moon_lux = stage.drawn.moon_illuminance_lux,
+                          .irradiance_matrix = stage.drawn.irradiance_matrix};
     prepare(stage.world_dt_s, light, stage.drawn.projection * stage.drawn.view);
     const bool yard_drawn = visible_ && draw_yard(light, stage.light_revision);
     stage.drawn.probes = render_data(); // captures see the yard

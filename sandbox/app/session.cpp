@@ -98,6 +98,7 @@ Result<std::unique_ptr<Session>> Session::create(const vulkan::Instance& instanc
             return enabled.error();
         }
     }
+    s.tell_problems();
     s.panel_.device = device.info().name;
     s.panel_.scenes = builtin_scene_names();
     for (std::size_t i = 0; i < s.panel_.scenes.size(); ++i) {
@@ -121,6 +122,14 @@ Session::~Session() {
             ImGui_ImplGlfw_Shutdown();
         }
         ImGui::DestroyContext(imgui_);
+    }
+}
+
+// On standard error, and in the panel.
+void Session::tell_problems() {
+    for (const Error& problem : game->take_problems()) {
+        panel_.message = problem.message();
+        std::cerr << "alpenglow-sandbox: " << problem.message() << "; the scene goes on without it\n";
     }
 }
 
@@ -258,6 +267,7 @@ Status Session::act(const Input& input, double dt_s) {
             return scene.error();
         }
         game->enter(*scene);
+        tell_problems();
     }
     if (std::exchange(panel_.screenshot, false)) {
         const auto pixels = renderer->read_pixels();

@@ -41,6 +41,7 @@ struct Session {
 
 private:
     Session() = default;
+    void tell_problems();
     ImDrawData* draw_hud();
     Status draw(double dt_s);
     Status act(const Input& input, double dt_s);

@@ -118,6 +118,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
     const Json* atmosphere = top.object("atmosphere");
     const Json* camera = top.object("camera");
     const Json* exposure = top.object("exposure");
+    const Json* environment = top.object("environment");
     const Json* probes = top.object("probes");
     const Json* transfer = top.object("transfer");
     top.no_others();
@@ -167,6 +168,14 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
         light.no_others();
         if (light.failed()) {
             return light.error();
+        }
+    }
+    if (environment != nullptr) {
+        Reader section(*environment, file, "environment.");
+        scene.environment = read_environment_settings(section);
+        section.no_others();
+        if (section.failed()) {
+            return section.error();
         }
     }
     if (probes != nullptr) {

@@ -10,6 +10,7 @@
 
 #include <alpenglow/core/result.hpp>
 
+#include "sandbox/scene/environment_settings.hpp"
 #include "sandbox/scene/probe_settings.hpp"
 #include "sandbox/scene/transfer_settings.hpp"
 #include "sandbox/world/camera.hpp"
@@ -35,6 +36,7 @@ struct Scene {
     float camera_fov_deg = 50.0F; // vertical
     float exposure_bias_ev = 0.0F;
     Quality quality = Quality::automatic;
+    std::optional<EnvironmentSettings> environment; // a picture in place of sky, sun and moon
     std::optional<ProbeSettings> probes; // a courtyard lit by probes, with things that move in it
     std::optional<TransferSettings> transfer; // things on a meadow whose light is baked
 };

@@ -13,6 +13,7 @@
 
 namespace alpenglow::sandbox {
 
+struct EnvironmentRenderData; // environment_render_data.hpp
 struct OverlayRenderData; // overlay_render_data.hpp
 struct ProbeRenderData;   // probe_render_data.hpp
 struct TransferRenderData; // transfer_render_data.hpp
@@ -110,6 +111,7 @@ struct FrameData {
     std::span<const SkyVertex> sky_vertices; // the topology is the dome's, see render/sky_dome.hpp
     std::uint32_t sky_revision = 0;
     // What the scene's parts add, each drawn by its own layer (render/layers.hpp). Null: nothing to draw.
+    const EnvironmentRenderData* environment = nullptr;
     const ProbeRenderData* probes = nullptr;
     const TransferRenderData* transfer = nullptr;
     // A picture for a light probe: without the discs of sun and moon, and without what is not part of the scene.

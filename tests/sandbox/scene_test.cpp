@@ -96,10 +96,13 @@ TEST(Scene, HasNoProbesUnlessItAsksForThem) {
 }
 
 TEST(Scene, ErrorsNameFileFieldValueAndWhatWouldBeRight) {
+    expect_error(with(R"("probes": {"source": "painted"})"), "probes.source", "painted", "assembled or captured");
+    expect_error(with(R"("environment": {"scale": 2})"), "environment.file", "is missing", "must be given");
+    expect_error(with(R"("environment": {"file": "a.hdr", "scale": 0})"), "environment.scale", "0", "a number from");
     expect_error(with(R"("probes": {"deringing": "hann"})"), "probes.deringing", "hann", "none, paper or exact");
     expect_error(with(R"("probes": {"deringing": 3})"), "probes.deringing", "3", "none, paper or exact");
     expect_error(with(R"("probes": {"show": 1})"), "probes.show", "1", "true or false");
-    expect_error(with(R"("probes": {"grid": 1})"), "probes.grid", "unknown field", "one of deringing, show");
+    expect_error(with(R"("probes": {"grid": 1})"), "probes.grid", "unknown field", "one of deringing, source, show");
     expect_error(with(R"("probes": true)"), "probes", "true", "an object");
     expect_error(replaced("47.27", "91"), "observer.latitude_deg", "91", "-90");
     expect_error(replaced("11.39", "-180.5"), "observer.longitude_deg", "-180.5", "180");
