@@ -199,8 +199,31 @@ void blend(const Context& context) {
                               few);
             }
         });
+        probes::blend_packed(grid, light, *positions, out);
+        worst = 0.0;
+        for (std::size_t r = 0; r < receivers; ++r) {
+            const double size = static_cast<double>(expected[r * light.lines].values[0]);
+            for (std::size_t i = 0; i < 27; ++i) {
+                const std::size_t at = r * light.lines + i / 16;
+                worst = std::max(worst, std::abs(static_cast<double>(out[at].values[i % 16]) -
+                                                 static_cast<double>(expected[at].values[i % 16])) /
+                                            size);
+            }
+        }
+        row.bytes = static_cast<double>(light.packed.size() * sizeof(PackedProbe));
+        row.error = worst;
+        row.method = "packed, all to memory";
+        context.run(row, [&] { probes::blend_packed(grid, light, *positions, out); });
+        row.method = "packed, 512 at a time";
+        context.run(row, [&] {
+            for (std::size_t r = 0; r < receivers; r += 512) {
+                probes::blend_packed(grid, light,
+                                     std::span(*positions).subspan(r, std::min<std::size_t>(512, receivers - r)), few);
+            }
+        });
         row.method = "scalar double";
         row.error = 0.0;
+        row.bytes = static_cast<double>(light.coefficients.size() * sizeof(ProbeLine));
         context.run(row, [&] { probes::blend_reference(grid, light, *positions, expected); });
     }
 }

@@ -520,6 +520,7 @@ void assemble(const ProbeGrid& grid, std::span<const std::uint32_t> probes, Prob
         }
         scatter(here, work, light);
     }
+    pack(light, probes);
 }
 
 DriftBound drift_bound(const ProbeGrid& grid, const ProbeGridSh& light, const ProbeSources& now) {

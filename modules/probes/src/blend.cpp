@@ -3,6 +3,7 @@
 #define HWY_TARGET_INCLUDE "blend.cpp"
 #include <hwy/foreach_target.h>
 // after foreach_target.h
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <alpenglow/probes/grid.hpp>
@@ -67,19 +68,69 @@ HWY_INLINE void make_group(const Cells& cells, const float* positions, Group& gr
     }
 }
 
-void blend_kernel(const ProbeGrid& grid, const ProbeGridSh& light, const glm::vec3* positions, std::size_t count,
-                  float* out) {
-    const Cells cells = cells_of(grid);
-    const std::size_t stride = light.lines * 16;
-    const float* const probes = light.coefficients.data()->values.data();
-    const std::uint8_t* const masks = light.cell_mask.data();
-    std::size_t offset[8];
-    for (std::uint32_t c = 0; c < 8; ++c) {
-        offset[c] = corner_offset(cells, c) * stride;
+struct Floats {
+    const float* probes;
+    std::size_t stride;
+
+    HWY_INLINE void prefetch(std::uint32_t probe) const {
+        const float* const p = probes + probe * stride;
+        for (std::size_t i = 0; i < stride; i += 16) {
+            hwy::Prefetch(p + i);
+        }
     }
-    Group group;
+    // probe(c) and weight(c) of the eight corners.
+    template <class Probe, class Weight>
+    HWY_INLINE void blend(const Probe& probe, const Weight& weight, float* out) const {
+        for (std::size_t i = 0; i < stride; i += hn::Lanes(d)) {
+            V sum[2] = {hn::Zero(d), hn::Zero(d)};
+            HWY_UNROLL(8)
+            for (std::size_t c = 0; c < 8; ++c) {
+                sum[c % 2] = hn::MulAdd(hn::Set(d, weight(c)), hn::Load(d, probes + probe(c) * stride + i), sum[c % 2]);
+            }
+            hn::Store(hn::Add(sum[0], sum[1]), d, out + i);
+        }
+    }
+};
+
+struct Packed {
+    const PackedProbe* probes;
+    std::size_t stride, floats; // of `out`, and those that are not padding
+
+    HWY_INLINE void prefetch(std::uint32_t probe) const { hwy::Prefetch(probes + probe); }
+    // probe(c) and weight(c) of the eight corners.
+    template <class Probe, class Weight>
+    HWY_INLINE void blend(const Probe& probe, const Weight& weight, float* out) const {
+        constexpr hn::Rebind<std::int16_t, D> narrow;
+        constexpr hn::RebindToSigned<D> wide;
+        for (std::size_t i = 0; i < stride; i += hn::Lanes(d)) {
+            V sum[2] = {hn::Zero(d), hn::Zero(d)};
+            HWY_UNROLL(8)
+            for (std::size_t c = 0; c < 8; ++c) {
+                // The last vector reads the scale as two more values, which are cut off below.
+                const PackedProbe& from = probes[probe(c)];
+                const auto* const values = reinterpret_cast<const std::int16_t*>(&from) + i;
+                const V value = hn::ConvertTo(d, hn::PromoteTo(wide, hn::LoadU(narrow, values)));
+                sum[c % 2] = hn::MulAdd(hn::Set(d, weight(c) * from.scale), value, sum[c % 2]);
+            }
+            const V total = hn::Add(sum[0], sum[1]);
+            const std::size_t left = floats > i ? floats - i : 0;
+            hn::Store(left < hn::Lanes(d) ? hn::IfThenElseZero(hn::FirstN(d, left), total) : total, d, out + i);
+        }
+    }
+};
+
+template <class Light>
+HWY_INLINE void blend_all(const Light& source, const ProbeGrid& grid, const ProbeGridSh& light,
+                          const glm::vec3* positions, std::size_t count, float* out) {
+    const Cells cells = cells_of(grid);
+    const std::uint8_t* const masks = light.cell_mask.data();
+    std::uint32_t offset[8];
+    for (std::uint32_t c = 0; c < 8; ++c) {
+        offset[c] = corner_offset(cells, c);
+    }
+    Group groups[2];
     float padded[48];
-    for (std::size_t start = 0; start < count; start += 16) {
+    const auto locate_group = [&](std::size_t start, Group& group) HWY_ATTR {
         const std::size_t here = std::min<std::size_t>(16, count - start);
         const float* from = &positions[start].x;
         if (here < 16) {
@@ -87,34 +138,79 @@ void blend_kernel(const ProbeGrid& grid, const ProbeGridSh& light, const glm::ve
             from = padded;
         }
         make_group(cells, from, group);
-        for (std::size_t r = 0; r < here; ++r, out += stride) {
+    };
+    locate_group(0, groups[0]);
+    for (std::size_t start = 0, turn = 0; start < count; start += 16, turn ^= 1) {
+        const std::size_t here = std::min<std::size_t>(16, count - start);
+        const Group& group = groups[turn];
+        const bool more = start + 16 < count;
+        if (more) {
+            locate_group(start + 16, groups[turn ^ 1]);
+        }
+        for (std::size_t r = 0; r < here; ++r, out += source.stride) {
+            // The grid is larger than the nearest caches: fetch what the group after this one needs.
+            if (more) {
+                for (std::size_t c = 0; c < 8; ++c) {
+                    source.prefetch(groups[turn ^ 1].first[r] + offset[c]);
+                }
+            }
             const glm::vec3& p = positions[start + r];
             const bool finite = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-            const float* corner[8];
-            V weight[8];
             if (HWY_LIKELY(masks[group.first[r]] == 0xffU && finite)) {
-                const float* const first = probes + group.first[r] * stride;
-                for (std::size_t c = 0; c < 8; ++c) {
-                    corner[c] = first + offset[c];
-                    weight[c] = hn::Set(d, group.weight[c][r]);
-                }
+                const std::uint32_t first = group.first[r];
+                source.blend([&](std::size_t c) { return first + offset[c]; },
+                             [&](std::size_t c) { return group.weight[c][r]; }, out);
             } else {
                 const Corners corners = blend_corners(grid, light, p);
-                for (std::size_t c = 0; c < 8; ++c) {
-                    corner[c] = probes + corners.probe[c] * stride;
-                    weight[c] = hn::Set(d, corners.weight[c]);
-                }
-            }
-            for (std::size_t i = 0; i < stride; i += hn::Lanes(d)) {
-                V a = hn::Mul(weight[0], hn::Load(d, corner[0] + i));
-                V b = hn::Mul(weight[1], hn::Load(d, corner[1] + i));
-                for (std::size_t c = 2; c < 8; c += 2) {
-                    a = hn::MulAdd(weight[c], hn::Load(d, corner[c] + i), a);
-                    b = hn::MulAdd(weight[c + 1], hn::Load(d, corner[c + 1] + i), b);
-                }
-                hn::Store(hn::Add(a, b), d, out + i);
+                source.blend([&](std::size_t c) { return corners.probe[c]; },
+                             [&](std::size_t c) { return corners.weight[c]; }, out);
             }
         }
+    }
+}
+
+void blend_kernel(const ProbeGrid& grid, const ProbeGridSh& light, const glm::vec3* positions, std::size_t count,
+                  float* out) {
+    blend_all(Floats{light.coefficients.data()->values.data(), light.lines * 16}, grid, light, positions, count, out);
+}
+
+void blend_packed_kernel(const ProbeGrid& grid, const ProbeGridSh& light, const glm::vec3* positions, std::size_t count,
+                         float* out) {
+    blend_all(Packed{light.packed.data(), light.lines * 16, static_cast<std::size_t>(3 * light.order * light.order)},
+              grid, light, positions, count, out);
+}
+
+void pack_kernel(ProbeGridSh& light, const std::uint32_t* probes, std::size_t count) {
+    constexpr hn::Rebind<std::int16_t, D> narrow;
+    const std::size_t stride = light.lines * 16;
+    for (std::size_t k = 0; k < count; ++k) {
+        const float* const from = light.coefficients.data()->values.data() + probes[k] * stride;
+        PackedProbe& to = light.packed[probes[k]];
+        V most = hn::Zero(d);
+        for (std::size_t i = 0; i < stride; i += hn::Lanes(d)) {
+            most = hn::Max(most, hn::Abs(hn::Load(d, from + i)));
+        }
+        const float largest = hn::GetLane(hn::MaxOfLanes(d, most));
+        to = PackedProbe{};
+        if (largest < 1e-33F) { // its inverse would overflow
+            continue;
+        }
+        // Rounding to half a step takes at most 0.46 steps from the irradiance, (2/3 sqrt(3) sqrt(3 / 4 pi) + 1/4
+        // sqrt(5) sqrt(5 / 4 pi)) / 2; 1.63 steps more in the mean, times sqrt(1 / 4 pi), give it back.
+        constexpr float steps = 32764.0F, lift = 1.63F;
+        const V inverse = hn::Set(d, steps / largest);
+        alignas(64) std::int16_t values[32] = {};
+        for (std::size_t i = 0; i < stride; i += hn::Lanes(d)) {
+            const auto rounded = hn::NearestInt(hn::Mul(hn::Load(d, from + i), inverse));
+            hn::StoreU(hn::DemoteTo(narrow, rounded), narrow, values + i);
+        }
+        for (std::size_t c = 0; c < 3; ++c) {
+            if (from[c] > 0.0F) {
+                values[c] = static_cast<std::int16_t>(std::ceil(from[c] * (steps / largest) + lift));
+            }
+        }
+        std::copy_n(values, to.values.size(), to.values.begin());
+        to.scale = largest / steps;
     }
 }
 
@@ -126,6 +222,8 @@ HWY_AFTER_NAMESPACE();
 namespace alpenglow::probes {
 
 HWY_EXPORT(blend_kernel);
+HWY_EXPORT(blend_packed_kernel);
+HWY_EXPORT(pack_kernel);
 
 void blend(const ProbeGrid& grid, const ProbeGridSh& light, std::span<const glm::vec3> positions_m,
            std::span<ProbeLine> out) {
@@ -133,6 +231,21 @@ void blend(const ProbeGrid& grid, const ProbeGridSh& light, std::span<const glm:
     if (!positions_m.empty()) {
         HWY_DYNAMIC_DISPATCH(blend_kernel)
         (grid, light, positions_m.data(), positions_m.size(), out.data()->values.data());
+    }
+}
+
+void blend_packed(const ProbeGrid& grid, const ProbeGridSh& light, std::span<const glm::vec3> positions_m,
+                  std::span<ProbeLine> out) {
+    assert(out.size() >= positions_m.size() * light.lines && !light.packed.empty());
+    if (!positions_m.empty()) {
+        HWY_DYNAMIC_DISPATCH(blend_packed_kernel)
+        (grid, light, positions_m.data(), positions_m.size(), out.data()->values.data());
+    }
+}
+
+void pack(ProbeGridSh& light, std::span<const std::uint32_t> probes) {
+    if (!light.packed.empty()) {
+        HWY_DYNAMIC_DISPATCH(pack_kernel)(light, probes.data(), probes.size());
     }
 }
 

@@ -150,7 +150,8 @@ Status check(const ProbeGrid& grid, std::size_t max_bytes) {
 }
 
 std::size_t bytes_per_probe(int order) noexcept {
-    return lines_of(order) * sizeof(ProbeLine) + 4 * sizeof(float) + sizeof(std::uint32_t) + 2;
+    return lines_of(order) * sizeof(ProbeLine) + (order <= max_packed_order ? sizeof(PackedProbe) : 0) +
+           4 * sizeof(float) + sizeof(std::uint32_t) + 2;
 }
 
 std::size_t probe_count(const ProbeGrid& grid) noexcept {
@@ -184,6 +185,7 @@ void prepare(const ProbeGrid& grid, ProbeGridSh& light) {
     light.order = grid.order;
     light.lines = lines_of(grid.order);
     light.coefficients.assign((count + 1) * light.lines, ProbeLine{});
+    light.packed.assign(grid.order <= max_packed_order ? count + 1 : 0, PackedProbe{});
     light.window.assign(count, 1.0F);
     light.made_pass.assign(count, 0);
     light.made_sun_visibility.assign(count, 0.0F);

@@ -13,6 +13,8 @@
 
 namespace alpenglow::probes {
 
+inline constexpr int max_packed_order = 3; // what PackedProbe has room for
+
 [[nodiscard]] std::size_t bytes_per_probe(int order) noexcept;
 
 // A visibility as given, or 1; 0 for NaN.

@@ -124,7 +124,7 @@ void Receiving::blend_batch(std::size_t grid) {
     Batch& batch = batches_[grid];
     const ProbeGridSh& light = *lights_.grids_[grid].light;
     lines_.resize(batch.positions.size() * light.lines);
-    blend(*lights_.grids_[grid].grid, light, batch.positions, lines_);
+    (light.packed.empty() ? blend : blend_packed)(*lights_.grids_[grid].grid, light, batch.positions, lines_);
     const auto floats = static_cast<std::size_t>(3 * light.order * light.order);
     for (std::size_t r = 0; r < batch.out.size(); ++r) {
         ReceiverSh& out = *batch.out[r];

@@ -100,6 +100,8 @@ void make_open_probe(const ProbeGrid& grid, ProbeGridSh& light) {
             out[3 * i + c] = open[static_cast<std::size_t>(i)][c];
         }
     }
+    const auto index = static_cast<std::uint32_t>(light.made_pass.size());
+    pack(light, std::span(&index, 1));
 }
 
 } // namespace

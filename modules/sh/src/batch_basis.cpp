@@ -62,7 +62,7 @@ HWY_INLINE V own_quadratic(const float* f, std::size_t stride, V x, V y, V z) {
     constexpr double k0 = detail::basis_tables.seed[0], k1 = detail::basis_tables.poly[1][0][0];
     constexpr double k2 = 2.0 * detail::basis_tables.seed[2];
     constexpr double c20 = detail::basis_tables.poly[2][0][0], k20 = detail::basis_tables.poly[2][0][1];
-    const auto row = [&](std::size_t i) { return load(f + i * stride); };
+    const auto row = [&](std::size_t i) HWY_ATTR { return load(f + i * stride); };
     const V half = hn::Mul(constant(0.5), row(8));
     const V linear = hn::NegMulAdd(x, row(3), hn::NegMulAdd(y, row(1), hn::Mul(z, row(2))));
     const V by_x = hn::MulAdd(y, row(4), hn::NegMulAdd(z, row(7), hn::Mul(x, half)));

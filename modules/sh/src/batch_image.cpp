@@ -187,7 +187,7 @@ void cube_kernel(const CubeMap& map, int order, const detail::CubeTables& tables
     std::size_t pending = 0, bad = 0;
     // Float sums of 32 terms, then double.
     constexpr std::size_t most_terms = 32;
-    const auto add_up = [&] {
+    const auto add_up = [&]() HWY_ATTR {
         for (std::size_t i = 0; i < 3 * count && pending > 0; ++i) {
             sums[i] += static_cast<double>(hn::GetLane(hn::SumOfLanes(d, load(partial + i * lanes()))));
             store(hn::Zero(d), partial + i * lanes());

@@ -89,10 +89,9 @@ HWY_INLINE Local look_around(const Folded& folded, V x, V y, V z) {
     at.v[0] = xy;
     at.v[1] = hn::MulAdd(hn::Mul(y, y), k, sign);
     at.v[2] = hn::Neg(y);
-    const auto dot = [](const V(&a)[3], V bx, V by, V bz) {
-        return hn::MulAdd(a[0], bx, hn::MulAdd(a[1], by, hn::Mul(a[2], bz)));
-    };
-    const auto times = [&](const V(&a)[3], V(&out)[3]) {
+    const auto dot = [](const V(&a)[3], V bx, V by, V bz)
+                         HWY_ATTR { return hn::MulAdd(a[0], bx, hn::MulAdd(a[1], by, hn::Mul(a[2], bz))); };
+    const auto times = [&](const V(&a)[3], V(&out)[3]) HWY_ATTR {
         out[0] = dot(a, s.xx, s.xy, s.xz);
         out[1] = dot(a, s.xy, hn::Neg(s.xx), s.yz);
         out[2] = dot(a, s.xz, s.yz, s.zz);

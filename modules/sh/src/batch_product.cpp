@@ -49,7 +49,8 @@ struct Quadratic {
     V c, x, y, z, xy, yz, xz, g, e, xx, yy, zz;
     HWY_INLINE Quadratic(ConstBatch f, std::size_t k) {
         constexpr double t = 0.77459666924148338, third_root = 0.57735026918962576;
-        const auto row = [&](std::size_t i, double scale) { return hn::Mul(constant(scale), load(f.row(i) + k)); };
+        const auto row = [&](std::size_t i, double scale)
+                             HWY_ATTR { return hn::Mul(constant(scale), load(f.row(i) + k)); };
         c = load(f.row(0) + k);
         y = row(1, -t);
         z = row(2, t);
@@ -70,8 +71,8 @@ HWY_INLINE void multiply_quadratics(const Quadratic& p, const Quadratic& q, V* o
     constexpr double k = k0 / t;
     const V seventh = constant(5.0 / 7.0), scale = constant(k), minus = constant(-k);
     // a b' + a' b
-    const auto both = [](V a, V b, V a2, V b2, V sum) { return hn::MulAdd(a, b2, hn::MulAdd(a2, b, sum)); };
-    const auto both_of = [](V a, V b, V a2, V b2) { return hn::MulAdd(a, b2, hn::Mul(a2, b)); };
+    const auto both = [](V a, V b, V a2, V b2, V sum) HWY_ATTR { return hn::MulAdd(a, b2, hn::MulAdd(a2, b, sum)); };
+    const auto both_of = [](V a, V b, V a2, V b2) HWY_ATTR { return hn::MulAdd(a, b2, hn::Mul(a2, b)); };
     const V dx = hn::Mul(p.x, q.x), dy = hn::Mul(p.y, q.y), dz = hn::Mul(p.z, q.z);
     const V gg = hn::Mul(p.g, q.g), ee = hn::Mul(p.e, q.e);
     const V pxy = hn::Mul(p.xy, q.xy), pxz = hn::Mul(p.xz, q.xz), pyz = hn::Mul(p.yz, q.yz);

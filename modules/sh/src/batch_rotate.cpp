@@ -225,10 +225,10 @@ HWY_INLINE Matrix matrix_of(ConstBatch quaternions, std::size_t k) {
     constexpr std::size_t parts = hn::MaxLanes(d) / hn::MaxLanes(dd);
     Half entry[3][3][parts];
     for (std::size_t at = 0; at < parts; ++at) {
-        const auto part = [&](std::size_t i) {
+        const auto part = [&](std::size_t i) HWY_ATTR {
             return hn::PromoteTo(dd, hn::LoadU(df, quaternions.row(i) + k + at * hn::Lanes(dd)));
         };
-        const auto put = [&](VD v, int row, int column) { entry[row][column][at] = hn::DemoteTo(df, v); };
+        const auto put = [&](VD v, int row, int column) HWY_ATTR { entry[row][column][at] = hn::DemoteTo(df, v); };
         const VD x = part(0), y = part(1), z = part(2), w = part(3), one = hn::Set(dd, 1.0), two = hn::Set(dd, 2.0);
         const VD sum = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::MulAdd(z, z, hn::Mul(w, w))));
         // 1 / sum by Newton from 2 - sum: the quaternion is of unit length to 1e-3 at worst.
@@ -258,10 +258,9 @@ HWY_INLINE Matrix matrix_of(ConstBatch quaternions, std::size_t k) {
 
 template <int Order>
 HWY_INLINE void rotate_quadratic(const Matrix& m, ConstBatch in, std::size_t k, Batch out) {
-    const auto row = [&](std::size_t i) { return load(in.row(i) + k); };
-    const auto dot = [](const V(&a)[3], V x, V y, V z) {
-        return hn::MulAdd(a[0], x, hn::MulAdd(a[1], y, hn::Mul(a[2], z)));
-    };
+    const auto row = [&](std::size_t i) HWY_ATTR { return load(in.row(i) + k); };
+    const auto dot = [](const V(&a)[3], V x, V y, V z)
+                         HWY_ATTR { return hn::MulAdd(a[0], x, hn::MulAdd(a[1], y, hn::Mul(a[2], z))); };
     const auto& r = m.r;
     const V x = row(3), y = row(1), z = hn::Neg(row(2)); // -b
     V f[Order * Order];

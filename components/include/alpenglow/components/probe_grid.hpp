@@ -43,6 +43,12 @@ struct alignas(64) ProbeLine {
     std::array<float, 16> values{};
 };
 
+// A probe of order 3 or less in one cache line: coefficients 0 .. 26 as values[i] * scale.
+struct alignas(64) PackedProbe {
+    std::array<std::int16_t, 30> values{};
+    float scale = 0.0F;
+};
+
 // Output of update_probes: the light of a grid's probes, and the books that are kept over them.
 struct ProbeGridSh {
     int order = 0;
@@ -50,8 +56,9 @@ struct ProbeGridSh {
     // Radiance, cd/m^2, deringed: coefficient i, channel c of probe p is float 3 i + c of its `lines` lines. One more
     // probe follows the last: the one in the open, which stands in for probes that were never made.
     std::vector<ProbeLine> coefficients;
-    std::vector<float> window; // factor of band 1 in the probe's sky and bounce after deringing, 1: untouched;
-                               // NaN: its input was unusable, it lights nothing
+    std::vector<PackedProbe> packed; // the same in 16 bits, for blending; empty above order 3
+    std::vector<float> window;       // factor of band 1 in the probe's sky and bounce after deringing, 1: untouched;
+                                     // NaN: its input was unusable, it lights nothing
 
     // The light that the probes are being brought up to, and how far they are.
     ProbeSources target;
