@@ -3,9 +3,12 @@
 
 #include <alpenglow/components/celestial.hpp>
 #include <alpenglow/core/constants.hpp>
+#include <alpenglow/sh/basis.hpp>
 #include <alpenglow/sky/aerial_perspective.hpp>
 #include <alpenglow/sky/dome.hpp>
 #include <alpenglow/sky/fit_sky.hpp>
+#include <alpenglow/sky/horizon_filter.hpp>
+#include <alpenglow/sky/night_sky.hpp>
 #include <alpenglow/sky/preetham.hpp>
 #include <alpenglow/sky/sky_fit.hpp>
 #include <alpenglow/sky/sky_sh.hpp>
@@ -307,6 +310,9 @@ const Case direct_case("sky/sun and state", [](const Context& context) {
             .error_metric = "is the reference",
             .reference = ""};
     context.run(row, [] { keep(sky::sun_illuminance_lux(0.5, 4.65e-3, 1.0, {})); });
+    const sky::AirColumn aloft{.observer_height_m = 12e3};
+    row.method = "sun, spectral, 12 km up, below the horizontal";
+    context.run(row, [&] { keep(sky::sun_illuminance_lux(-0.05, 4.65e-3, 1.0, aloft)); });
     CelestialState celestial;
     celestial.to_sun = glm::normalize(glm::vec3(0.5F, 0.3F, 0.6F));
     const Atmosphere atmosphere;
@@ -317,6 +323,111 @@ const Case direct_case("sky/sun and state", [](const Context& context) {
     state.revision = 1;
     row.method = "drift_bound: the check that skips it";
     context.run(row, [&] { keep(sky::drift_bound(state, celestial, atmosphere)); });
+});
+
+const Case night_case("sky/night", [](const Context& context) {
+    const glm::vec3 to_moon = glm::normalize(glm::vec3(0.8F, 0.0F, 0.6F));
+    const sky::NightSky night = sky::make_night_sky(to_moon, 3.844e8F, 0.3F, 2.5F);
+    const std::vector<glm::vec3> directions = hemisphere(1024);
+    Row row{.module = "sky",
+            .name = "moonlit night",
+            .method = "radiance, a direction",
+            .error_metric = "is the reference",
+            .reference = "",
+            .items = static_cast<double>(directions.size())};
+    context.run(row, [&] {
+        for (const glm::vec3& v : directions) {
+            keep(sky::night_radiance(night, v));
+        }
+    });
+    row.items = 1.0;
+    row.method = "make_night_sky";
+    context.run(row, [&] { keep(sky::make_night_sky(to_moon, 3.844e8F, 0.3F, 2.5F)); });
+    std::array<glm::dvec3, 49> exact{};
+    sky::project_symmetric_sky(
+        [&](const glm::dvec3& v) { return glm::dvec3(sky::night_radiance(night, glm::vec3(v))); },
+        std::acos(static_cast<double>(to_moon.z)), 7, {24, 32}, exact);
+    row.name = "moonlit night to SH, 7 bands";
+    row.error_metric = "|c' - c| / |c|";
+    row.reference = "quadrature 2 x 24 x 32";
+    const auto error_of = [&](const auto& got) {
+        double difference = 0.0;
+        double norm = 0.0;
+        for (std::size_t i = 0; i < exact.size(); ++i) {
+            const glm::dvec3 d = glm::dvec3(got[i]) - exact[i];
+            difference += glm::dot(d, d);
+            norm += glm::dot(exact[i], exact[i]);
+        }
+        return std::sqrt(difference / norm);
+    };
+    std::array<glm::vec3, 49> c{};
+    sky::project_night_sky(night, 7, c);
+    row.method = "series about the moon";
+    row.error = error_of(c);
+    context.run(row, [&] {
+        sky::project_night_sky(night, 7, c);
+        keep(c);
+    });
+    std::array<glm::dvec3, 49> coarse{};
+    const auto quadrature = [&] {
+        sky::project_symmetric_sky(
+            [&](const glm::dvec3& v) { return glm::dvec3(sky::night_radiance(night, glm::vec3(v))); },
+            std::acos(static_cast<double>(to_moon.z)), 7, {6, 8}, coarse);
+    };
+    quadrature();
+    row.method = "quadrature 2 x 6 x 8";
+    row.error = error_of(coarse);
+    context.run(row, [&] {
+        quadrature();
+        keep(coarse);
+    });
+});
+
+const Case filter_case("sky/horizon filter", [](const Context& context) {
+    const double theta = 1.2;
+    const auto model = sky::make_preetham(glm::dvec3(std::sin(theta), 0.0, std::cos(theta)), 3.0);
+    const std::vector<glm::vec3> directions = hemisphere(2000);
+    for (const int bands : {3, 5, 7}) {
+        std::array<glm::dvec3, 49> plain{};
+        sky::project_preetham(theta, 3.0, bands, {24, 32}, plain);
+        Row row{.module = "sky",
+                .name = "horizon filter, " + std::to_string(bands) + " bands",
+                .method = "",
+                .error_metric = "",
+                .reference = "the sky above, 0 below"};
+        const auto run = [&](const std::string& method, const auto& filter) {
+            std::array<glm::dvec3, 49> c = plain;
+            filter(c);
+            double below = 0.0;
+            double above = 0.0;
+            double norm = 0.0;
+            for (const glm::vec3& v : directions) {
+                const glm::dvec3 up(v);
+                const glm::dvec3 want = sky::radiance(model, up);
+                const glm::dvec3 blur = sh::evaluate(bands, c, up) - want;
+                const glm::dvec3 ringing = sh::evaluate(bands, c, glm::dvec3(up.x, up.y, -up.z));
+                below += glm::dot(ringing, ringing);
+                above += glm::dot(blur, blur);
+                norm += glm::dot(want, want);
+            }
+            row.method = method;
+            row.error = std::sqrt(below / norm);
+            row.error_metric =
+                "ringing below the horizon, RMS over the sky's; blur above " + std::to_string(std::sqrt(above / norm));
+            std::array<glm::dvec3, 49> again{};
+            context.run(row, [&] {
+                again = plain;
+                filter(again);
+                keep(again);
+            });
+        };
+        run("none", [](auto&) {});
+        run("zonal sinc, eq. 5", [&](auto& c) { sky::filter_zonal_sinc(bands, c); });
+        for (const double weight : {1.4, 3.0}) {
+            const sky::HorizonFilter filter(bands, weight);
+            run("least squares, weight " + std::to_string(weight).substr(0, 3), [&](auto& c) { filter.apply(c); });
+        }
+    }
 });
 
 const Case aerial_case("sky/aerial perspective", [](const Context& context) {

@@ -13,27 +13,30 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::ScalableTag<float>;
 using V = hn::Vec<D>;
 
+HWY_INLINE const float* weights_of(const FitRows& in, const float* w, std::size_t degree) {
+    return in.position != nullptr ? w : w + in.first[degree];
+}
+
 // N vectors of functions. The first loop sums rows of one degree, the others over all degrees.
 template <std::size_t N>
-HWY_INLINE void sum_rows(const float* HWY_RESTRICT rows, const std::int32_t* HWY_RESTRICT first,
-                         const std::int32_t* HWY_RESTRICT index, std::size_t degrees, const float* HWY_RESTRICT w,
-                         float* HWY_RESTRICT sums) {
+HWY_INLINE void sum_rows(const FitRows& in, std::size_t offset, const float* HWY_RESTRICT w, float* HWY_RESTRICT sums) {
     const D d;
     const std::size_t lanes = hn::Lanes(d);
-    for (std::size_t i = 0; i < degrees; ++i) {
+    for (std::size_t i = 0; i < in.degrees; ++i) {
         V acc[N];
         for (std::size_t n = 0; n < N; ++n) {
             acc[n] = hn::Zero(d);
         }
-        for (std::int32_t r = first[i]; r < first[i + 1]; ++r) {
-            const V weight = hn::Set(d, w[index[r]]);
-            const float* row = rows + static_cast<std::size_t>(r) * fit_stride;
+        const float* weight_at = weights_of(in, w, i);
+        for (std::int32_t r = in.first[i]; r < in.first[i + 1]; ++r) {
+            const V weight = hn::Set(d, *weight_at++);
+            const float* row = in.rows + static_cast<std::size_t>(r) * fit_stride + offset;
             for (std::size_t n = 0; n < N; ++n) {
                 acc[n] = hn::MulAdd(weight, hn::Load(d, row + n * lanes), acc[n]);
             }
         }
         for (std::size_t n = 0; n < N; ++n) {
-            hn::Store(acc[n], d, sums + i * fit_stride + n * lanes);
+            hn::Store(acc[n], d, sums + i * fit_stride + offset + n * lanes);
         }
     }
 }
@@ -70,28 +73,41 @@ HWY_INLINE void sum_theta(const float* HWY_RESTRICT sums, const float* HWY_RESTR
     }
 }
 
-template <std::size_t N>
-HWY_INLINE void sum_all(const float* HWY_RESTRICT rows, const std::int32_t* HWY_RESTRICT first,
-                        const std::int32_t* HWY_RESTRICT index, std::size_t degrees, const float* HWY_RESTRICT w,
-                        const float* HWY_RESTRICT t, float* HWY_RESTRICT out) {
+// U rows at a time, each with accumulators of its own: one sum alone would wait for its last addition.
+template <std::size_t N, std::size_t U>
+HWY_INLINE void sum_all(const float* HWY_RESTRICT rows, const float* HWY_RESTRICT weights,
+                        const std::int16_t* HWY_RESTRICT position, std::size_t count, float* HWY_RESTRICT out) {
     const D d;
     const std::size_t lanes = hn::Lanes(d);
-    V all[N];
-    for (std::size_t n = 0; n < N; ++n) {
-        all[n] = hn::Zero(d);
+    V all[U][N];
+    for (std::size_t u = 0; u < U; ++u) {
+        for (std::size_t n = 0; n < N; ++n) {
+            all[u][n] = hn::Zero(d);
+        }
     }
-    for (std::size_t i = 0; i < degrees; ++i) {
-        const V degree = hn::Set(d, t[i]);
-        for (std::int32_t r = first[i]; r < first[i + 1]; ++r) {
-            const V weight = hn::Mul(hn::Set(d, w[index[r]]), degree);
-            const float* row = rows + static_cast<std::size_t>(r) * fit_stride;
+    std::size_t r = 0;
+    for (; r + U <= count; r += U) {
+        for (std::size_t u = 0; u < U; ++u) {
+            const V weight = hn::Set(d, weights[position[r + u]]);
+            const float* row = rows + (r + u) * fit_stride;
             for (std::size_t n = 0; n < N; ++n) {
-                all[n] = hn::MulAdd(weight, hn::Load(d, row + n * lanes), all[n]);
+                all[u][n] = hn::MulAdd(weight, hn::Load(d, row + n * lanes), all[u][n]);
             }
         }
     }
+    for (; r < count; ++r) {
+        const V weight = hn::Set(d, weights[position[r]]);
+        const float* row = rows + r * fit_stride;
+        for (std::size_t n = 0; n < N; ++n) {
+            all[0][n] = hn::MulAdd(weight, hn::Load(d, row + n * lanes), all[0][n]);
+        }
+    }
     for (std::size_t n = 0; n < N; ++n) {
-        hn::StoreU(all[n], d, out + n * lanes);
+        V sum = all[0][n];
+        for (std::size_t u = 1; u < U; ++u) {
+            sum = hn::Add(sum, all[u][n]);
+        }
+        hn::StoreU(sum, d, out + n * lanes);
     }
 }
 
@@ -128,11 +144,9 @@ HWY_INLINE void in_groups(std::size_t functions, const F& f) {
     }
 }
 
-void SumRows(const float* rows, const std::int32_t* first, const std::int32_t* index, std::size_t degrees,
-             const float* w, std::size_t functions, float* sums) {
-    in_groups(functions, [&](auto n, std::size_t offset) HWY_ATTR {
-        sum_rows<decltype(n)::value>(rows + offset, first, index, degrees, w, sums + offset);
-    });
+void SumRows(const FitRows& in, const float* w, std::size_t functions, float* sums) {
+    in_groups(functions,
+              [&](auto n, std::size_t offset) HWY_ATTR { sum_rows<decltype(n)::value>(in, offset, w, sums); });
 }
 
 HWY_INLINE void expand(const float* HWY_RESTRICT functions, float k, float cos_a, float sin_a, int bands,
@@ -184,23 +198,61 @@ HWY_INLINE std::size_t functions_of(int bands) {
     return static_cast<std::size_t>(3 * bands * (bands + 1) / 2);
 }
 
+constexpr std::size_t series_terms = 16;
+
+HWY_INLINE float factor_of(const FitSun& sun, const float* t) {
+    if (sun.factor_series == nullptr) {
+        return sun.factor;
+    }
+    const hn::CappedTag<float, series_terms> d;
+    auto sum = hn::Zero(d);
+    for (std::size_t k = 0; k < series_terms; k += hn::Lanes(d)) {
+        sum = hn::MulAdd(hn::LoadU(d, sun.factor_series + k), hn::LoadU(d, t + k), sum);
+    }
+    return hn::GetLane(hn::SumOfLanes(d, sum));
+}
+
 void FromSums(const float* sums, std::size_t degrees, const FitSun& sun) {
     float t[max_degrees + 2];
-    chebyshev(sun.x, degrees, t);
+    chebyshev(sun.x, degrees < series_terms ? series_terms : degrees, t);
     HWY_ALIGN float out[fit_stride];
     in_groups(functions_of(sun.bands), [&](auto n, std::size_t offset) HWY_ATTR {
         sum_theta<decltype(n)::value>(sums + offset, t, degrees, out + offset);
     });
-    expand(out, sun.factor, sun.cos_a, sun.sin_a, sun.bands, sun.out);
+    expand(out, factor_of(sun, t), sun.cos_a, sun.sin_a, sun.bands, sun.out);
 }
 
-void FromRows(const float* rows, const std::int32_t* first, const std::int32_t* index, std::size_t degrees,
-              const float* w, const FitSun& sun) {
+void FromRows(const FitRows& in, const float* w, const FitSun& sun) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
     float t[max_degrees + 2];
-    chebyshev(sun.x, degrees, t);
+    chebyshev(sun.x, in.degrees, t);
+    // A table of products of whole, aligned vectors: rows read from it at once what was just stored.
+    HWY_ALIGN float weights[max_degrees * fit_weights];
+    std::int16_t own[max_fit_rows];
+    const std::int16_t* position = in.position;
+    if (position != nullptr) {
+        for (std::size_t i = 0; i < in.degrees; ++i) {
+            const V degree = hn::Set(d, t[i]);
+            const auto rows = static_cast<std::size_t>(in.first[i + 1] - in.first[i]);
+            for (std::size_t k = 0; k < rows; k += lanes) {
+                hn::Store(hn::Mul(degree, hn::Load(d, w + k)), d, weights + i * fit_weights + k);
+            }
+        }
+    } else {
+        for (std::size_t i = 0; i < in.degrees; ++i) {
+            for (std::int32_t r = in.first[i]; r < in.first[i + 1]; ++r) {
+                weights[r] = t[i] * w[r];
+                own[r] = static_cast<std::int16_t>(r);
+            }
+        }
+        position = own;
+    }
+    const auto count = static_cast<std::size_t>(in.first[in.degrees]);
     HWY_ALIGN float out[fit_stride];
     in_groups(functions_of(sun.bands), [&](auto n, std::size_t offset) HWY_ATTR {
-        sum_all<decltype(n)::value>(rows + offset, first, index, degrees, w, t, out + offset);
+        constexpr std::size_t vectors = decltype(n)::value;
+        sum_all<vectors, (vectors <= 3 ? 4 : 2)>(in.rows + offset, weights, position, count, out + offset);
     });
     expand(out, sun.factor, sun.cos_a, sun.sin_a, sun.bands, sun.out);
 }
@@ -216,16 +268,14 @@ HWY_EXPORT(SumRows);
 HWY_EXPORT(FromSums);
 HWY_EXPORT(FromRows);
 
-void fit_sum_rows(const float* rows, const std::int32_t* first, const std::int32_t* index, std::size_t degrees,
-                  const float* w, std::size_t functions, float* sums) {
-    HWY_DYNAMIC_DISPATCH(SumRows)(rows, first, index, degrees, w, functions, sums);
+void fit_sum_rows(const FitRows& rows, const float* w, std::size_t functions, float* sums) {
+    HWY_DYNAMIC_DISPATCH(SumRows)(rows, w, functions, sums);
 }
 void fit_from_sums(const float* sums, std::size_t degrees, const FitSun& sun) {
     HWY_DYNAMIC_DISPATCH(FromSums)(sums, degrees, sun);
 }
-void fit_from_rows(const float* rows, const std::int32_t* first, const std::int32_t* index, std::size_t degrees,
-                   const float* w, const FitSun& sun) {
-    HWY_DYNAMIC_DISPATCH(FromRows)(rows, first, index, degrees, w, sun);
+void fit_from_rows(const FitRows& rows, const float* w, const FitSun& sun) {
+    HWY_DYNAMIC_DISPATCH(FromRows)(rows, w, sun);
 }
 
 } // namespace alpenglow::sky

@@ -3,6 +3,8 @@
 #include "fit_normaliser.hpp"
 #include "fit_simd.hpp"
 
+#include <alpenglow/core/constants.hpp>
+
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -323,8 +325,6 @@ void evaluate_fit(const SkyFit& fit, std::span<const double> parameters, int ban
 
 namespace {
 
-constexpr std::size_t max_rows = 4096;
-
 // Zeros at a 64-byte border.
 SkyFitEvaluator::Floats aligned_floats(std::size_t count) {
     auto* p = static_cast<float*>(::operator new(count * sizeof(float), std::align_val_t(64)));
@@ -338,25 +338,40 @@ void SkyFitEvaluator::Free::operator()(float* p) const noexcept {
     ::operator delete(p, std::align_val_t(64));
 }
 
-SkyFitEvaluator::SkyFitEvaluator(const SkyFit& fit) : fit_(&fit) {
-    std::size_t most_degrees = 0;
+SkyFitEvaluator::SkyFitEvaluator(const SkyFit& fit) : fit_(&fit), caches_(fit.parts.size()) {
     for (const SkyFitPart& source : fit.parts) {
         Part part;
         const std::size_t axes = source.axes.size();
         const std::size_t rows = row_count(source);
-        part.rows = aligned_floats(rows * fit_stride);
-        for (std::size_t r = 0; r < rows; ++r) {
-            std::copy_n(source.rows.data() + r * fit.functions(), fit.functions(), part.rows.get() + r * fit_stride);
-        }
-        part.first.push_back(0);
-        for (std::size_t r = 0; r < rows; ++r) {
-            while (part.first.size() <= source.degrees[r * axes]) {
-                part.first.push_back(static_cast<std::int32_t>(r));
+        const std::size_t degrees = source.degrees[(rows - 1) * axes] + 1U;
+        // With two axes, the rows of a degree are made the degrees 0, 1 .. of the other axis, with zeros where the
+        // table has none: the weights are the same for every degree then.
+        std::vector<std::size_t> place(rows);
+        part.first.assign(degrees + 1, 0);
+        std::size_t count = 0;
+        std::size_t r = 0;
+        for (std::size_t i = 0; i < degrees; ++i) {
+            part.first[i] = static_cast<std::int32_t>(count);
+            std::size_t most = 0;
+            for (; r < rows && source.degrees[r * axes] == i; ++r) {
+                place[r] = axes == 2 ? count + source.degrees[r * axes + 1] : count + most;
+                most = std::max(most, place[r] - count + 1);
             }
-            part.index.push_back(axes == 2 ? source.degrees[r * axes + 1] : static_cast<std::int32_t>(r));
+            count += most;
         }
-        part.first.push_back(static_cast<std::int32_t>(rows));
-        most_degrees = std::max(most_degrees, part.first.size() - 1);
+        part.first[degrees] = static_cast<std::int32_t>(count);
+        assert(count < max_fit_rows);
+        for (std::size_t i = 0; axes == 2 && i < degrees; ++i) {
+            for (std::int32_t k = part.first[i]; k < part.first[i + 1]; ++k) {
+                part.position.push_back(
+                    static_cast<std::int16_t>(static_cast<std::int32_t>(i * fit_weights) + k - part.first[i]));
+            }
+        }
+        part.rows = aligned_floats(count * fit_stride);
+        for (r = 0; r < rows; ++r) {
+            std::copy_n(source.rows.data() + r * fit.functions(), fit.functions(),
+                        part.rows.get() + place[r] * fit_stride);
+        }
         for (std::size_t a = 0; a < axes; ++a) {
             const double low = mapped(source.axes[a], source.axes[a].low);
             const double high = mapped(source.axes[a], source.axes[a].high);
@@ -364,7 +379,7 @@ SkyFitEvaluator::SkyFitEvaluator(const SkyFit& fit) : fit_(&fit) {
             part.high[a] = static_cast<float>(a == 0 ? high : source.axes[a].high);
             part.scale[a] = static_cast<float>(2.0 / (high - low));
             part.shift[a] = static_cast<float>(-(low + high) / (high - low));
-            for (std::size_t r = 0; r < rows; ++r) {
+            for (r = 0; r < rows; ++r) {
                 part.most[a] = std::max<std::size_t>(part.most[a], source.degrees[r * axes + a]);
             }
             for (std::size_t i = 0; i < source.log_terms.size(); ++i) {
@@ -373,31 +388,67 @@ SkyFitEvaluator::SkyFitEvaluator(const SkyFit& fit) : fit_(&fit) {
         }
         parts_.push_back(std::move(part));
     }
-    sums_ = aligned_floats(most_degrees * fit_stride);
+    cut_into_cells();
+}
+
+void SkyFitEvaluator::cut_into_cells() {
+    const std::size_t axes = fit_->parts.front().axes.size();
+    std::size_t cells = 1;
+    for (std::size_t a = 0; a < axes; ++a) {
+        std::vector<float>& cuts = cuts_[a];
+        for (const Part& part : parts_) {
+            cuts.push_back(part.low[a]);
+        }
+        std::sort(cuts.begin(), cuts.end());
+        cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+        cuts.erase(cuts.begin()); // all is above the lowest
+        cells *= cuts.size() + 1;
+    }
+    cells_.resize(cells);
+    for (std::size_t cell = 0; cell < cells; ++cell) {
+        // The cell's lowest corner; its part is the one that holds it, or where there is a hole the nearest.
+        std::array<float, max_fit_axes> corner{};
+        std::size_t rest = cell;
+        for (std::size_t a = axes; a-- > 0;) {
+            const std::size_t i = rest % (cuts_[a].size() + 1);
+            rest /= cuts_[a].size() + 1;
+            float lowest = std::numeric_limits<float>::max();
+            for (const Part& part : parts_) {
+                lowest = std::min(lowest, part.low[a]);
+            }
+            corner[a] = i == 0 ? lowest : cuts_[a][i - 1];
+        }
+        float nearest = std::numeric_limits<float>::max();
+        for (std::size_t p = 0; p < parts_.size(); ++p) {
+            float off = 0.0F;
+            for (std::size_t a = 0; a < axes; ++a) {
+                // A part's upper border belongs to the next.
+                const float over = corner[a] - parts_[p].high[a];
+                off += std::max({parts_[p].low[a] - corner[a], over, over >= 0.0F ? 1e-6F : 0.0F});
+            }
+            if (off < nearest) {
+                nearest = off;
+                cells_[cell] = static_cast<std::uint16_t>(p);
+            }
+        }
+    }
 }
 
 // The part whose box holds the parameters, or the nearest.
 std::size_t SkyFitEvaluator::part_for(float half_tangent, std::span<const float> others) const {
-    if (parts_.size() == 1) {
-        return 0;
+    std::size_t cell = 0;
+    for (const float cut : cuts_[0]) {
+        cell += half_tangent >= cut ? 1 : 0;
     }
-    std::size_t best = 0;
-    float nearest = std::numeric_limits<float>::max();
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-        const Part& part = parts_[i];
-        float off = std::max({part.low[0] - half_tangent, half_tangent - part.high[0], 0.0F});
-        for (std::size_t a = 0; a < others.size() && a + 1 < max_fit_axes; ++a) {
-            off += std::max({part.low[a + 1] - others[a], others[a] - part.high[a + 1], 0.0F});
+    for (std::size_t a = 0; a < others.size() && a + 1 < max_fit_axes; ++a) {
+        const std::vector<float>& cuts = cuts_[a + 1];
+        std::size_t i = 0;
+        for (const float cut : cuts) {
+            i += others[a] >= cut ? 1 : 0;
         }
-        if (off == 0.0F) {
-            return i;
-        }
-        if (off < nearest) {
-            nearest = off;
-            best = i;
-        }
+        cell = cell * (cuts.size() + 1) + i;
     }
-    return best;
+    return cells_[cell];
 }
 
 // The Chebyshev variable in single precision; NaN becomes -1.
@@ -419,6 +470,7 @@ void SkyFitEvaluator::weights(std::size_t index, std::span<const float> others, 
     const std::array<std::size_t, max_fit_axes>& most = parts_[index].most;
     if (axes == 2) {
         chebyshev(fast_variable(parts_[index], part.axes[1], 1, others[0]), most[1] + 1, out);
+        std::fill(out + most[1] + 1, out + fit_weights, 0.0F);
     } else {
         std::array<std::array<float, max_degree + 2>, max_fit_axes> t;
         for (std::size_t a = 1; a < axes; ++a) {
@@ -482,26 +534,61 @@ struct SkyFitEvaluator::Sun {
     }
 };
 
+void SkyFitEvaluator::fill(std::size_t index, std::span<const float> others, int bands) {
+    const Part& part = parts_[index];
+    Cache& cache = caches_[index];
+    const std::size_t degrees = part.first.size() - 1;
+    if (!cache.sums) {
+        cache.sums = aligned_floats(degrees * fit_stride);
+    }
+    alignas(64) std::array<float, max_fit_rows> w;
+    Normaliser normaliser;
+    weights(index, others, w.data(), normaliser);
+    fit_sum_rows({part.rows.get(), part.first.data(), degrees, part.position.empty() ? nullptr : part.position.data()},
+                 w.data(), static_cast<std::size_t>(3 * bands * (bands + 1) / 2), cache.sums.get());
+    // The factor at Chebyshev nodes of the sun's variable, and from them its series.
+    constexpr std::size_t n = factor_terms;
+    static const std::array<std::array<float, n>, n> cosines = [] {
+        std::array<std::array<float, n>, n> out{};
+        for (std::size_t k = 0; k < n; ++k) {
+            for (std::size_t i = 0; i < n; ++i) {
+                out[k][i] =
+                    static_cast<float>(std::cos(pi * double(k) * (double(i) + 0.5) / n) * (k == 0 ? 1.0 : 2.0) / n);
+            }
+        }
+        return out;
+    }();
+    std::array<float, n> values;
+    for (std::size_t i = 0; i < n; ++i) {
+        const float x = cosines[1][i] * (0.5F * n);
+        const float u = (x - part.shift[0]) / part.scale[0];
+        const float square = u * u;
+        values[i] = factor(index, x, 2.0F * u / (1.0F + square), (1.0F - square) / (1.0F + square), others, normaliser);
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+        float sum = 0.0F;
+        for (std::size_t i = 0; i < n; ++i) {
+            sum += cosines[k][i] * values[i];
+        }
+        cache.factor[k] = sum;
+    }
+    std::copy(others.begin(), others.end(), cache.others.begin());
+    cache.bands = bands;
+}
+
 void SkyFitEvaluator::evaluate(const glm::vec3& to_sun, std::span<const float> others, int bands,
                                std::span<glm::vec3> out) {
     assert(bands >= 1 && bands <= fit_->bands && out.size() >= static_cast<std::size_t>(bands * bands));
     const Sun sun(to_sun);
     const std::size_t index = part_for(sun.u, others);
     const Part& part = parts_[index];
-    const std::size_t degrees = part.first.size() - 1;
-    if (index != cached_part_ || bands > cached_bands_ ||
-        !std::equal(others.begin(), others.end(), cached_others_.begin())) {
-        std::array<float, max_rows> w;
-        weights(index, others, w.data(), cached_normaliser_);
-        fit_sum_rows(part.rows.get(), part.first.data(), part.index.data(), degrees, w.data(),
-                     static_cast<std::size_t>(3 * bands * (bands + 1) / 2), sums_.get());
-        std::copy(others.begin(), others.end(), cached_others_.begin());
-        cached_part_ = index;
-        cached_bands_ = bands;
+    const Cache& cache = caches_[index];
+    if (bands > cache.bands || !std::equal(others.begin(), others.end(), cache.others.begin())) {
+        fill(index, others, bands);
     }
     const float x = std::clamp(sun.u * part.scale[0] + part.shift[0], -1.0F, 1.0F);
-    const float k = factor(index, x, sun.r, to_sun.z, others, cached_normaliser_);
-    fit_from_sums(sums_.get(), degrees, {x, k, sun.cos_a, sun.sin_a, bands, &out[0].x});
+    fit_from_sums(cache.sums.get(), part.first.size() - 1,
+                  {x, 1.0F, cache.factor.data(), sun.cos_a, sun.sin_a, bands, &out[0].x});
 }
 
 void SkyFitEvaluator::evaluate_uncached(const glm::vec3& to_sun, std::span<const float> others, int bands,
@@ -510,13 +597,14 @@ void SkyFitEvaluator::evaluate_uncached(const glm::vec3& to_sun, std::span<const
     const Sun sun(to_sun);
     const std::size_t index = part_for(sun.u, others);
     const Part& part = parts_[index];
-    std::array<float, max_rows> w;
+    alignas(64) std::array<float, max_fit_rows> w;
     Normaliser normaliser;
     weights(index, others, w.data(), normaliser);
     const float x = std::clamp(sun.u * part.scale[0] + part.shift[0], -1.0F, 1.0F);
     const float k = factor(index, x, sun.r, to_sun.z, others, normaliser);
-    fit_from_rows(part.rows.get(), part.first.data(), part.index.data(), part.first.size() - 1, w.data(),
-                  {x, k, sun.cos_a, sun.sin_a, bands, &out[0].x});
+    fit_from_rows({part.rows.get(), part.first.data(), part.first.size() - 1,
+                   part.position.empty() ? nullptr : part.position.data()},
+                  w.data(), {x, k, nullptr, sun.cos_a, sun.sin_a, bands, &out[0].x});
 }
 
 } // namespace alpenglow::sky

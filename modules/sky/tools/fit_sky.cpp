@@ -39,6 +39,20 @@ std::string as_include(const std::vector<std::uint8_t>& bytes) {
     return text + "\n";
 }
 
+// The numbers of a list with commas.
+std::vector<double> numbers(const char* list) {
+    std::vector<double> out;
+    for (const char* at = list; *at != '\0';) {
+        char* end = nullptr;
+        out.push_back(std::strtod(at, &end));
+        at = *end == ',' ? end + 1 : end;
+        if (end == list || (*end != ',' && *end != '\0')) {
+            return {};
+        }
+    }
+    return out;
+}
+
 struct Box {
     SkyFitBox box;
     std::string name;
@@ -71,15 +85,20 @@ int fit_all(const std::vector<Box>& boxes, FitNormaliser normaliser, FitStorage 
 int main(int argc, char** argv) {
     const std::string sky = argc > 4 ? argv[1] : "";
     std::vector<Box> boxes;
-    if (sky == "preetham" && argc >= 8 && (argc - 5) % 3 == 0) {
-        for (int i = 5; i + 2 < argc; i += 3) {
-            Box b;
-            b.name = std::string("turbidity ") + argv[i] + " .. " + argv[i + 1];
-            b.box.axes = {{FitMap::half_tangent, 0.0, 0.5 * pi, 0.0},
-                          {FitMap::log_offset, std::atof(argv[i]), std::atof(argv[i + 1]), 1.2}};
-            b.box.nodes = {32, 18};
-            b.box.max_e_mean = std::atof(argv[i + 2]);
-            boxes.push_back(b);
+    if (sky == "preetham" && argc == 8) {
+        const std::vector<double> thetas_deg = numbers(argv[5]);
+        const std::vector<double> turbidities = numbers(argv[6]);
+        for (std::size_t i = 0; i + 1 < thetas_deg.size(); ++i) {
+            for (std::size_t j = 0; j + 1 < turbidities.size(); ++j) {
+                Box b;
+                b.name = "theta from " + std::to_string(thetas_deg[i]) + ", turbidity from " +
+                         std::to_string(turbidities[j]);
+                b.box.axes = {{FitMap::half_tangent, thetas_deg[i] * degree_rad, thetas_deg[i + 1] * degree_rad, 0.0},
+                              {FitMap::log_offset, turbidities[j], turbidities[j + 1], 1.2}};
+                b.box.nodes = {28, 14};
+                b.box.max_e_mean = std::atof(argv[7]);
+                boxes.push_back(b);
+            }
         }
         return fit_all(boxes, FitNormaliser::preetham, FitStorage::float32, preetham_black_box(64, 80), argv);
     }
@@ -98,8 +117,8 @@ int main(int argc, char** argv) {
         return fit_all(boxes, FitNormaliser::exponent, FitStorage::int16, scattering_black_box(0.001, 20, 28), argv);
     }
     std::fprintf(stderr,
-                 "usage: alpenglow-fit-sky preetham OUT.inc OUT.h NAME TURBIDITY_LOW TURBIDITY_HIGH MAX_E_MEAN ...\n"
+                 "usage: alpenglow-fit-sky preetham OUT.inc OUT.h NAME THETA_DEG,.. TURBIDITY,.. MAX_E_MEAN\n"
                  "       alpenglow-fit-sky scattering OUT.inc OUT.h NAME THETA_LOW_DEG THETA_HIGH_DEG MAX_E_MEAN ...\n"
-                 "one part for each range; MAX_E_MEAN as a fraction\n");
+                 "one part for each range (between neighbours in a list); MAX_E_MEAN as a fraction\n");
     return 2;
 }

@@ -84,9 +84,9 @@ enum class FitStorage : std::uint32_t {
 // in radians), held at the ends of the domain. Writes bands * bands coefficients for a sun in the +X meridian.
 void evaluate_fit(const SkyFit& fit, std::span<const double> parameters, int bands, std::span<glm::dvec3> out);
 
-// Evaluates a fit in single precision with the widest SIMD at hand, and keeps the sum over every parameter but the
-// sun's angle while those stay the same. Holds a reference to the fit. Error against evaluate_fit: 1e-6 of the vector's
-// norm.
+// Evaluates a fit in single precision with the widest SIMD at hand, and keeps, part by part, the sums over every
+// parameter but the sun's angle while those stay the same. Holds a reference to the fit. Error against evaluate_fit:
+// 1e-6 of the vector's norm.
 class SkyFitEvaluator {
 public:
     explicit SkyFitEvaluator(const SkyFit& fit);
@@ -108,7 +108,7 @@ private:
     struct Part {
         Floats rows;                                              // padded to whole vectors
         std::vector<std::int32_t> first;                          // first row of each degree in axis 0, and the end
-        std::vector<std::int32_t> index;                          // where a row finds its weight
+        std::vector<std::int16_t> position;                       // of two axes: where rows find their weights
         std::array<float, max_fit_axes> low{}, high{};            // of axis 0: tan(theta / 2)
         std::array<float, max_fit_axes> scale{}, shift{};         // mapped parameter -> Chebyshev variable
         std::array<std::size_t, max_fit_axes> most{}, log_most{}; // largest degrees
@@ -116,21 +116,28 @@ private:
     struct Normaliser {
         float zenith_slope = 0, zenith_offset = 0, chi_slope = 0, horizon = 1, c = 0, d = 0, e = 0;
     };
+    static constexpr std::size_t factor_terms = 16;
+    struct Cache {
+        std::array<float, max_fit_axes> others{};
+        int bands = 0;
+        std::array<float, factor_terms> factor{}; // Chebyshev series of what was divided out, over the sun's variable
+        Floats sums;                              // over all axes but the first
+    };
     struct Sun;
     [[nodiscard]] static float fast_variable(const Part& part, const FitAxis& axis, std::size_t a, float x);
     [[nodiscard]] std::size_t part_for(float half_tangent, std::span<const float> others) const;
+    void cut_into_cells();
     void weights(std::size_t part, std::span<const float> others, float* out, Normaliser& normaliser) const;
     [[nodiscard]] float factor(std::size_t part, float x, float r, float z, std::span<const float> others,
                                const Normaliser& normaliser) const;
+    void fill(std::size_t part, std::span<const float> others, int bands);
 
     const SkyFit* fit_;
     std::vector<Part> parts_;
-    // The cache: sums over all axes but the first.
-    std::size_t cached_part_ = ~std::size_t{0};
-    std::array<float, max_fit_axes> cached_others_{};
-    int cached_bands_ = 0;
-    Normaliser cached_normaliser_{};
-    Floats sums_;
+    std::vector<Cache> caches_; // one for each part
+    // The parts' borders cut every axis; which part holds a cell of the grid that they make, axis 0 slowest.
+    std::array<std::vector<float>, max_fit_axes> cuts_;
+    std::vector<std::uint16_t> cells_;
 };
 
 } // namespace alpenglow::sky
