@@ -28,6 +28,7 @@ constexpr Du du;
 
 struct Group {
     alignas(64) std::uint32_t first[16]; // the cell's first corner
+    alignas(64) float finite[16];        // 1 where the position is, else 0
     alignas(64) float weight[8][16];
 };
 
@@ -57,6 +58,8 @@ HWY_INLINE void make_group(const Cells& cells, const float* positions, Group& gr
         first = hn::Add(first, cell_along(cells, 1, y, fy));
         first = hn::Add(first, cell_along(cells, 2, z, fz));
         hn::Store(first, du, group.first + k);
+        const auto finite = hn::And(hn::IsFinite(x), hn::And(hn::IsFinite(y), hn::IsFinite(z)));
+        hn::Store(hn::IfThenElseZero(finite, one), d, group.finite + k);
         const V gx = hn::Sub(one, fx);
         const V gy = hn::Sub(one, fy);
         const V gz = hn::Sub(one, fz);
@@ -68,53 +71,74 @@ HWY_INLINE void make_group(const Cells& cells, const float* positions, Group& gr
     }
 }
 
+// Lines: those of a probe, known to the compiler where that matters, else 0.
+template <std::size_t Lines>
 struct Floats {
     const float* probes;
-    std::size_t stride;
+    std::size_t lines;
 
+    [[nodiscard]] HWY_INLINE std::size_t stride() const { return 16 * (Lines != 0 ? Lines : lines); }
     HWY_INLINE void prefetch(std::uint32_t probe) const {
-        const float* const p = probes + probe * stride;
-        for (std::size_t i = 0; i < stride; i += 16) {
+        const float* const p = probes + probe * stride();
+        for (std::size_t i = 0; i < stride(); i += 16) {
             hwy::Prefetch(p + i);
         }
     }
     // probe(c) and weight(c) of the eight corners.
     template <class Probe, class Weight>
     HWY_INLINE void blend(const Probe& probe, const Weight& weight, float* out) const {
-        for (std::size_t i = 0; i < stride; i += hn::Lanes(d)) {
-            V sum[2] = {hn::Zero(d), hn::Zero(d)};
-            HWY_UNROLL(8)
-            for (std::size_t c = 0; c < 8; ++c) {
-                sum[c % 2] = hn::MulAdd(hn::Set(d, weight(c)), hn::Load(d, probes + probe(c) * stride + i), sum[c % 2]);
+        const float* corner[8];
+        V w[8];
+        HWY_UNROLL(8)
+        for (std::size_t c = 0; c < 8; ++c) {
+            corner[c] = probes + probe(c) * stride();
+            w[c] = hn::Set(d, weight(c));
+        }
+        for (std::size_t i = 0; i < stride(); i += hn::Lanes(d)) {
+            V a = hn::Mul(w[0], hn::Load(d, corner[0] + i));
+            V b = hn::Mul(w[1], hn::Load(d, corner[1] + i));
+            HWY_UNROLL(4)
+            for (std::size_t c = 2; c < 8; c += 2) {
+                a = hn::MulAdd(w[c], hn::Load(d, corner[c] + i), a);
+                b = hn::MulAdd(w[c + 1], hn::Load(d, corner[c + 1] + i), b);
             }
-            hn::Store(hn::Add(sum[0], sum[1]), d, out + i);
+            hn::Store(hn::Add(a, b), d, out + i);
         }
     }
 };
 
+// Count: floats of a probe.
+template <std::size_t Count>
 struct Packed {
     const PackedProbe* probes;
-    std::size_t stride, floats; // of `out`, and those that are not padding
 
+    [[nodiscard]] static HWY_INLINE std::size_t stride() { return (Count + 15) / 16 * 16; }
     HWY_INLINE void prefetch(std::uint32_t probe) const { hwy::Prefetch(probes + probe); }
-    // probe(c) and weight(c) of the eight corners.
     template <class Probe, class Weight>
     HWY_INLINE void blend(const Probe& probe, const Weight& weight, float* out) const {
         constexpr hn::Rebind<std::int16_t, D> narrow;
         constexpr hn::RebindToSigned<D> wide;
-        for (std::size_t i = 0; i < stride; i += hn::Lanes(d)) {
-            V sum[2] = {hn::Zero(d), hn::Zero(d)};
-            HWY_UNROLL(8)
-            for (std::size_t c = 0; c < 8; ++c) {
-                // The last vector reads the scale as two more values, which are cut off below.
-                const PackedProbe& from = probes[probe(c)];
-                const auto* const values = reinterpret_cast<const std::int16_t*>(&from) + i;
-                const V value = hn::ConvertTo(d, hn::PromoteTo(wide, hn::LoadU(narrow, values)));
-                sum[c % 2] = hn::MulAdd(hn::Set(d, weight(c) * from.scale), value, sum[c % 2]);
+        constexpr std::size_t lanes = hn::MaxLanes(d), vectors = (Count + 15) / 16 * 16 / lanes;
+        V sum[vectors];
+        HWY_UNROLL(8)
+        for (std::size_t c = 0; c < 8; ++c) {
+            const PackedProbe& from = probes[probe(c)];
+            const V w = hn::Set(d, weight(c) * from.scale);
+            // The last vector reads the scale as two more values, which are cut off below.
+            const auto* const values = reinterpret_cast<const std::int16_t*>(&from);
+            HWY_UNROLL(32)
+            for (std::size_t i = 0; i < vectors; ++i) {
+                const V value = hn::ConvertTo(d, hn::PromoteTo(wide, hn::LoadU(narrow, values + i * lanes)));
+                sum[i] = c == 0 ? hn::Mul(w, value) : hn::MulAdd(w, value, sum[i]);
             }
-            const V total = hn::Add(sum[0], sum[1]);
-            const std::size_t left = floats > i ? floats - i : 0;
-            hn::Store(left < hn::Lanes(d) ? hn::IfThenElseZero(hn::FirstN(d, left), total) : total, d, out + i);
+        }
+        HWY_UNROLL(32)
+        for (std::size_t i = 0; i < vectors; ++i) {
+            if ((i + 1) * lanes > Count) {
+                const std::size_t left = Count > i * lanes ? Count - i * lanes : 0;
+                sum[i] = hn::IfThenElseZero(hn::FirstN(d, left), sum[i]);
+            }
+            hn::Store(sum[i], d, out + i * lanes);
         }
     }
 };
@@ -147,21 +171,19 @@ HWY_INLINE void blend_all(const Light& source, const ProbeGrid& grid, const Prob
         if (more) {
             locate_group(start + 16, groups[turn ^ 1]);
         }
-        for (std::size_t r = 0; r < here; ++r, out += source.stride) {
+        for (std::size_t r = 0; r < here; ++r, out += source.stride()) {
             // The grid is larger than the nearest caches: fetch what the group after this one needs.
             if (more) {
                 for (std::size_t c = 0; c < 8; ++c) {
                     source.prefetch(groups[turn ^ 1].first[r] + offset[c]);
                 }
             }
-            const glm::vec3& p = positions[start + r];
-            const bool finite = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-            if (HWY_LIKELY(masks[group.first[r]] == 0xffU && finite)) {
+            if (HWY_LIKELY(masks[group.first[r]] == 0xffU && group.finite[r] != 0.0F)) {
                 const std::uint32_t first = group.first[r];
                 source.blend([&](std::size_t c) { return first + offset[c]; },
                              [&](std::size_t c) { return group.weight[c][r]; }, out);
             } else {
-                const Corners corners = blend_corners(grid, light, p);
+                const Corners corners = blend_corners(grid, light, positions[start + r]);
                 source.blend([&](std::size_t c) { return corners.probe[c]; },
                              [&](std::size_t c) { return corners.weight[c]; }, out);
             }
@@ -171,13 +193,24 @@ HWY_INLINE void blend_all(const Light& source, const ProbeGrid& grid, const Prob
 
 void blend_kernel(const ProbeGrid& grid, const ProbeGridSh& light, const glm::vec3* positions, std::size_t count,
                   float* out) {
-    blend_all(Floats{light.coefficients.data()->values.data(), light.lines * 16}, grid, light, positions, count, out);
+    const float* const probes = light.coefficients.data()->values.data();
+    if (light.lines == 2) {
+        blend_all(Floats<2>{probes, 2}, grid, light, positions, count, out);
+    } else {
+        blend_all(Floats<0>{probes, light.lines}, grid, light, positions, count, out);
+    }
 }
 
 void blend_packed_kernel(const ProbeGrid& grid, const ProbeGridSh& light, const glm::vec3* positions, std::size_t count,
                          float* out) {
-    blend_all(Packed{light.packed.data(), light.lines * 16, static_cast<std::size_t>(3 * light.order * light.order)},
-              grid, light, positions, count, out);
+    const PackedProbe* const probes = light.packed.data();
+    if (light.order == 3) {
+        blend_all(Packed<27>{probes}, grid, light, positions, count, out);
+    } else if (light.order == 2) {
+        blend_all(Packed<12>{probes}, grid, light, positions, count, out);
+    } else {
+        blend_all(Packed<3>{probes}, grid, light, positions, count, out);
+    }
 }
 
 void pack_kernel(ProbeGridSh& light, const std::uint32_t* probes, std::size_t count) {
