@@ -41,7 +41,8 @@ void add_disc(const glm::vec3& to_light, double radius_rad, const glm::dvec3& lu
 } // namespace
 
 TransferLight transfer_light(const SceneLight& light, const CelestialState& celestial, const SkyState& sky,
-                             const SkyLightSh& sky_light, const Atmosphere& atmosphere, const HorizonBytes& horizon) {
+                             const SkyLightSh& sky_light, const Atmosphere& atmosphere, const HorizonBytes& horizon,
+                             TransferWindow window) {
     Coefficients sum{};
     for (std::size_t i = 0; i < count; ++i) {
         sum[i] = glm::dvec3(sky_light.coefficients[i]);
@@ -70,16 +71,33 @@ TransferLight transfer_light(const SceneLight& light, const CelestialState& cele
             channels[static_cast<std::size_t>(c) * count + i] = sum[i][c];
         }
     }
-    const sh::Dering dering = sh::find_window(
-        transfer_bands, channels,
-        {.signal = sh::Signal::radiance, .method = sh::DeringMethod::exact, .family = sh::WindowFamily::gauss});
-    std::array<double, 3 * count> windowed{};
-    sh::apply_dering(transfer_bands, dering, std::span<const double>(channels), std::span<double>(windowed));
+    const auto least_window = [&](sh::Signal signal) {
+        const sh::Dering dering =
+            sh::find_window(transfer_bands, channels,
+                            {.signal = signal, .method = sh::DeringMethod::exact, .family = sh::WindowFamily::gauss});
+        std::array<double, transfer_bands> factors{};
+        for (std::size_t l = 0; l < factors.size(); ++l) {
+            factors[l] = dering.outcome == sh::DeringOutcome::unchanged ? 1.0 : dering.factors[l];
+        }
+        return factors;
+    };
+    const std::array<double, transfer_bands> sure = least_window(sh::Signal::radiance);
+    std::array<double, transfer_bands> wanted = sure;
+    if (window == TransferWindow::none) {
+        wanted.fill(1.0);
+    } else if (window != TransferWindow::radiance) {
+        wanted = least_window(sh::Signal::irradiance);
+    }
+    for (std::size_t l = 0; l < wanted.size() && window == TransferWindow::halfway; ++l) {
+        wanted[l] = std::sqrt(wanted[l] * sure[l]); // of the family, too: its factors are powers
+    }
     TransferLight result;
-    result.window = dering.outcome == sh::DeringOutcome::unchanged ? 1.0F : static_cast<float>(dering.factors[1]);
-    result.coefficients.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        result.coefficients[i] = {windowed[i], windowed[count + i], windowed[2 * count + i]};
+    result.window = static_cast<float>(wanted[1]);
+    for (std::size_t l = 0; l < transfer_bands; ++l) {
+        for (std::size_t i = l * l; i < (l + 1) * (l + 1); ++i) {
+            result.coefficients.emplace_back(sum[i] * wanted[l]);
+            result.sure.emplace_back(sum[i] * sure[l]);
+        }
     }
     return result;
 }

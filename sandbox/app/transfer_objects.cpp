@@ -237,10 +237,10 @@ TransferObjects make_transfer_objects(const World& world, const TransferSettings
     { // A glider, and what it does to the light around.
         TransferObject glider;
         glider.name = "glider";
-        prt::Mesh mesh = subdivided(prt::glider(2.6F), 2);
+        prt::Mesh mesh = subdivided(prt::glider(3.1F), 2);
         prt::compute_normals(mesh);
         for (const glm::vec3& p : mesh.positions) {
-            mesh.albedo.push_back(std::abs(p.x) > 1.7F ? glm::vec3(0.40F, 0.05F, 0.025F)
+            mesh.albedo.push_back(std::abs(p.x) > 2.0F ? glm::vec3(0.40F, 0.05F, 0.025F)
                                                        : glm::vec3(0.42F, 0.41F, 0.38F));
         }
         glider.mesh = mesh;
@@ -249,7 +249,7 @@ TransferObjects make_transfer_objects(const World& world, const TransferSettings
         around.order = transfer_bands;
         around.out_order = 3;
         around.rays = 768;
-        const prt::Grid grid = prt::grid_around(mesh, glm::uvec3(14, 14, 9), 1.1F, 0.3F, 2.2F);
+        const prt::Grid grid = prt::grid_around(mesh, glm::uvec3(17, 17, 9), 0.9F, 0.2F, 1.3F);
         objects.around_glider = neighbourhood_job("glider's shadow", mesh, grid, around);
         objects.glider = objects.bodies.size();
         objects.bodies.push_back(std::move(glider));

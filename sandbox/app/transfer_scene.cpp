@@ -25,7 +25,7 @@
 namespace alpenglow::sandbox {
 namespace {
 
-constexpr float glider_above_m = 2.7F; // over the ground's middle
+constexpr float glider_above_m = 2.3F; // over the ground's middle
 constexpr double glider_period_s = 24.0;
 constexpr int smoke_columns = 36;
 constexpr int smoke_rows = 56;
@@ -185,16 +185,22 @@ void TransferScene::take_tables(bool by_shader) {
 }
 
 void TransferScene::light_all(const Stage& stage) {
-    if (stage.light_revision == lit_by_) {
+    if (stage.light_revision == lit_by_ && settings.window == lit_through_) {
         return;
     }
     lit_by_ = stage.light_revision;
+    lit_through_ = settings.window;
     light_ = transfer_light(stage.light, registry_.get<CelestialState>(stage.sky), registry_.get<SkyState>(stage.sky),
-                            registry_.get<SkyLightSh>(stage.sky), registry_.get<Atmosphere>(stage.sky), horizon_);
+                            registry_.get<SkyLightSh>(stage.sky), registry_.get<Atmosphere>(stage.sky), horizon_,
+                            settings.window);
     each_baked([this](Baked& baked, TransferSource&) {
+        const bool diffuse = std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
+            return body.diffuse && body.diffuse->entity == baked.entity;
+        });
+        const bool shadow = around_glider_ && around_glider_->entity == baked.entity;
         ObjectLight& light = registry_.get<ObjectLight>(baked.entity);
         light.bands = transfer_bands;
-        light.coefficients = light_.coefficients;
+        light.coefficients = diffuse || shadow ? light_.coefficients : light_.sure;
         ++light.revision;
     });
 }
@@ -203,11 +209,11 @@ void TransferScene::light_all(const Stage& stage) {
 void TransferScene::move_glider(double dt_s) {
     glider_moved_ = glider_moved_ || dt_s > 0.0;
     moved_s_ += dt_s;
-    const auto along = static_cast<float>(std::fmod(moved_s_ / glider_period_s + 0.62, 1.0) * 2.0 * std::numbers::pi);
+    const auto along = static_cast<float>(std::fmod(moved_s_ / glider_period_s + 0.75, 1.0) * 2.0 * std::numbers::pi);
     Body& body = bodies_[objects_.glider];
     const glm::vec3 centre = bodies_[objects_.mound].position_m;
     body.position_m = centre + glm::vec3(5.2F * std::cos(along), 4.2F * std::sin(along),
-                                         glider_above_m + 0.35F * std::sin(2.0F * along));
+                                         glider_above_m + 0.3F * std::sin(2.0F * along));
     const glm::vec3 forward =
         glm::normalize(glm::vec3(-5.2F * std::sin(along), 4.2F * std::cos(along), 0.7F * std::cos(2.0F * along)));
     const glm::quat heading = glm::angleAxis(std::atan2(-forward.x, forward.y), glm::vec3(0.0F, 0.0F, 1.0F));
@@ -417,6 +423,11 @@ void TransferScene::draw_panel(PanelWriter& panel) {
     if (panel.choice("by", paths, path)) {
         settings.path = static_cast<TransferPath>(path);
     }
+    constexpr std::array windows{"none", "E", "half", "L"}; // as TransferWindow
+    int window = static_cast<int>(settings.window);
+    if (panel.choice("window", windows, window)) {
+        settings.window = static_cast<TransferWindow>(window);
+    }
     std::array<char, 128> line{};
     const auto write = [&](const char* format, auto... values) {
         std::snprintf(line.data(), line.size(), format, values...);
@@ -434,7 +445,7 @@ void TransferScene::draw_panel(PanelWriter& panel) {
             panel.text(problem);
         }
     }
-    write("window     %.3f of band 1", static_cast<double>(light_.window));
+    write("it leaves  %.3f of band 1", static_cast<double>(light_.window));
 }
 
 } // namespace alpenglow::sandbox

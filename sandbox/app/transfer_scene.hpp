@@ -98,6 +98,7 @@ private:
 
     TransferLight light_;
     std::uint32_t lit_by_ = 0; // revision of the stage's light
+    TransferWindow lit_through_ = TransferWindow::none;
     // Part of its light that the glider leaves to each vertex of the ground.
     std::vector<glm::vec3> left_;
     std::uint32_t left_revision_ = 0, left_from_ = 0;

@@ -226,19 +226,37 @@ TEST_F(TransferSceneTest, WhileItBakesTheCosineAloneIsShown) {
     game_->enter(*load_scene("noon")); // cancels
 }
 
-TEST_F(TransferSceneTest, LightIsNowhereNegative) {
+TEST_F(TransferSceneTest, WindowsKeepWhatTheyNameFromGoingNegative) {
     enter(scene());
-    update(1);
-    const TransferLight& light = part().light();
-    EXPECT_GT(light.window, 0.3F);
-    EXPECT_LE(light.window, 1.0F);
-    for (int channel = 0; channel < 3; ++channel) {
-        std::vector<double> c;
-        for (const glm::vec3& coefficient : light.coefficients) {
-            c.push_back(static_cast<double>(coefficient[channel]));
+    float left = 1.0F;
+    for (const TransferWindow window :
+         {TransferWindow::none, TransferWindow::irradiance, TransferWindow::halfway, TransferWindow::radiance}) {
+        part().settings.window = window;
+        update(1);
+        const TransferLight& light = part().light();
+        EXPECT_LE(light.window, left);
+        left = light.window;
+        // The lowest radiance over its mean.
+        const auto lowest = [](const std::vector<glm::vec3>& coefficients) {
+            double least = 0.0;
+            for (int channel = 0; channel < 3; ++channel) {
+                std::vector<double> c;
+                for (const glm::vec3& coefficient : coefficients) {
+                    c.push_back(static_cast<double>(coefficient[channel]));
+                }
+                least = std::min(least, sh::certified_minimum(transfer_bands, c, 1e-4 * c[0]).value / c[0]);
+            }
+            return least;
+        };
+        EXPECT_GT(lowest(light.sure), -1e-3);
+        if (window == TransferWindow::radiance) {
+            EXPECT_EQ(light.coefficients, light.sure);
+        } else {
+            EXPECT_LT(lowest(light.coefficients), -0.01);
         }
-        EXPECT_GE(sh::certified_minimum(transfer_bands, c, 1e-4 * c[0]).value, -1e-3 * c[0]);
     }
+    EXPECT_GT(left, 0.3F);
+    EXPECT_LT(left, 1.0F);
 }
 
 TEST_F(TransferSceneTest, OutOfViewNothingIsLitOrDrawn) {
