@@ -82,10 +82,12 @@ void Game::enter(const Scene& scene) {
     exposure_bias_ev = scene.exposure_bias_ev;
     exposed_ = false;
     parts_.clear();
+    frame_.clouds = nullptr;
+    frame_.air_light = glm::vec3(1.0F);
     frame_.environment = nullptr;
     frame_.probes = nullptr;
     frame_.transfer = nullptr;
-    sky_light_revision_ = 0; // the dome may have been a picture's
+    sky_light_revision_ = 0; // the dome may have been a picture's, the light that below clouds
     parts_ = make_parts(stage_, scene);
 }
 

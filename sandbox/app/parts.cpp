@@ -5,6 +5,8 @@
 
 #include <alpenglow/probes/environment.hpp>
 
+#include "sandbox/app/camera_flight.hpp"
+#include "sandbox/app/cloud_scene.hpp"
 #include "sandbox/app/environment_part.hpp"
 #include "sandbox/app/probe_scene.hpp"
 #include "sandbox/app/transfer_scene.hpp"
@@ -13,6 +15,9 @@ namespace alpenglow::sandbox {
 
 std::vector<std::unique_ptr<Part>> make_parts(Stage& stage, const Scene& scene) {
     std::vector<std::unique_ptr<Part>> parts;
+    if (scene.flight) {
+        parts.push_back(std::make_unique<CameraFlight>(*scene.flight));
+    }
     if (scene.environment) {
         Result<EnvironmentMap> map = probes::load_environment(scene.environment->file);
         if (map) {
@@ -22,6 +27,9 @@ std::vector<std::unique_ptr<Part>> make_parts(Stage& stage, const Scene& scene) 
         } else {
             stage.problems.push_back(map.error());
         }
+    }
+    if (scene.clouds) {
+        parts.push_back(std::make_unique<CloudScene>(stage, *scene.clouds));
     }
     if (scene.probes) {
         parts.push_back(std::make_unique<ProbeScene>(stage.registry, stage.world, *scene.probes));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include <glm/geometric.hpp>
@@ -9,6 +10,7 @@
 
 #include "sandbox/render/passes.hpp"
 #include "sandbox/render/sky_dome.hpp"
+#include "sandbox/world/cloud_render_data.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
@@ -184,9 +186,20 @@ gpu::FrameBlock make_frame_block(const FrameData& frame, const SkyExtract& sky, 
     block.haze.x =
         disc_over_horizon(block.sector.z - horizon_elevation(frame.camera_horizon, block.sun_sector, block.sector.x),
                           frame.sun_angular_radius_rad);
+    if (frame.clouds != nullptr && frame.clouds->shadow.size == cloud_shadow_size) {
+        const CloudShadowMap& map = frame.clouds->shadow;
+        block.cloud_map = {1.0F / map.extent_m, map.plane_m, map.base_m, map.top_m};
+        // A light at the horizon would shear the map without end.
+        const glm::vec2 shear = glm::vec2(map.to_light) / std::max(map.to_light.z, 0.03F);
+        const glm::vec2 corner = map.offset_m / map.extent_m;
+        block.cloud_key = {shear.x, shear.y, corner.x - std::floor(corner.x), corner.y - std::floor(corner.y)};
+        static_assert(sizeof block.cloud_shadow == std::size_t(cloud_shadow_size) * cloud_shadow_size);
+        static_assert(sizeof block <= 16384); // what every device takes
+        std::memcpy(block.cloud_shadow, map.texels.data(), sizeof block.cloud_shadow);
+    }
     for (std::size_t i = 0; i < sky.horizon.size(); ++i) {
-        block.horizon_light[i] = with(sky.horizon[i] * exposure, 0.0F);
-        block.near_light[i] = with(near_light(frame, sky, i) * exposure, 0.0F);
+        block.horizon_light[i] = with(sky.horizon[i] * frame.air_light * exposure, 0.0F);
+        block.near_light[i] = with(near_light(frame, sky, i) * frame.air_light * exposure, 0.0F);
     }
     return block;
 }

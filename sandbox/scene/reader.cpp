@@ -129,6 +129,30 @@ const Json* Reader::object(const char* key) {
     return value;
 }
 
+void Reader::each(const char* key, const std::function<void(Reader& item)>& read) {
+    const Json* value = find(key);
+    if (value == nullptr) {
+        return;
+    }
+    if (!value->is_array()) {
+        fail(key, shown(*value), "an array of objects");
+        return;
+    }
+    for (std::size_t i = 0; i < value->size() && !failed_; ++i) {
+        const std::string name = std::string(key) + "[" + std::to_string(i) + "]";
+        if (!(*value)[i].is_object()) {
+            fail(name, shown((*value)[i]), "an object");
+            return;
+        }
+        Reader item((*value)[i], file_, prefix_ + name + ".");
+        read(item);
+        if (item.failed()) {
+            failed_ = true;
+            error_ = item.error();
+        }
+    }
+}
+
 void Reader::require(const char* key) {
     if (!failed_ && !object_.contains(key)) {
         failed_ = true;

@@ -2,6 +2,7 @@
 // be right.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,6 +39,8 @@ public:
 
     // The object under `key`; null if there is none.
     const Json* object(const char* key);
+    // Every object of the array under `key`, in order; stops at the first error.
+    void each(const char* key, const std::function<void(Reader& item)>& read);
     void require(const char* key);
     // Call last: any member that nobody asked for is an error.
     void no_others();

@@ -118,6 +118,8 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
     const Json* atmosphere = top.object("atmosphere");
     const Json* camera = top.object("camera");
     const Json* exposure = top.object("exposure");
+    const Json* clouds = top.object("clouds");
+    const Json* flight = top.object("flight");
     const Json* environment = top.object("environment");
     const Json* probes = top.object("probes");
     const Json* transfer = top.object("transfer");
@@ -168,6 +170,22 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
         light.no_others();
         if (light.failed()) {
             return light.error();
+        }
+    }
+    if (clouds != nullptr) {
+        Reader section(*clouds, file, "clouds.");
+        scene.clouds = read_cloud_settings(section);
+        section.no_others();
+        if (section.failed()) {
+            return section.error();
+        }
+    }
+    if (flight != nullptr) {
+        Reader section(*flight, file, "flight.");
+        scene.flight = read_flight_settings(section);
+        section.no_others();
+        if (section.failed()) {
+            return section.error();
         }
     }
     if (environment != nullptr) {

@@ -10,6 +10,8 @@
 
 #include <alpenglow/core/result.hpp>
 
+#include "sandbox/scene/cloud_settings.hpp"
+#include "sandbox/scene/flight_settings.hpp"
 #include "sandbox/scene/environment_settings.hpp"
 #include "sandbox/scene/probe_settings.hpp"
 #include "sandbox/scene/transfer_settings.hpp"
@@ -36,6 +38,8 @@ struct Scene {
     float camera_fov_deg = 50.0F; // vertical
     float exposure_bias_ev = 0.0F;
     Quality quality = Quality::automatic;
+    std::optional<CloudSettings> clouds;
+    std::optional<FlightSettings> flight; // what the camera follows
     std::optional<EnvironmentSettings> environment; // a picture in place of sky, sun and moon
     std::optional<ProbeSettings> probes; // a courtyard lit by probes, with things that move in it
     std::optional<TransferSettings> transfer; // things on a meadow whose light is baked

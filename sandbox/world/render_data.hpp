@@ -13,6 +13,7 @@
 
 namespace alpenglow::sandbox {
 
+struct CloudRenderData;   // cloud_render_data.hpp
 struct EnvironmentRenderData; // environment_render_data.hpp
 struct OverlayRenderData; // overlay_render_data.hpp
 struct ProbeRenderData;   // probe_render_data.hpp
@@ -101,6 +102,7 @@ struct FrameData {
     glm::vec3 mie_per_m{2.0e-5F};
     float rayleigh_height_m = 8000.0F;
     float mie_height_m = 1200.0F;
+    glm::vec3 air_light{1.0F}; // factor on it: less where clouds keep light from the air
     glm::vec3 air_radiance_cd_m2{0.0F}; // saturated air where sky_vertices is empty
     // Terrain level of detail: indices into WorldData::terrain.vertices.
     std::span<const std::uint32_t> terrain_indices;
@@ -111,6 +113,7 @@ struct FrameData {
     std::span<const SkyVertex> sky_vertices; // the topology is the dome's, see render/sky_dome.hpp
     std::uint32_t sky_revision = 0;
     // What the scene's parts add, each drawn by its own layer (render/layers.hpp). Null: nothing to draw.
+    const CloudRenderData* clouds = nullptr;
     const EnvironmentRenderData* environment = nullptr;
     const ProbeRenderData* probes = nullptr;
     const TransferRenderData* transfer = nullptr;

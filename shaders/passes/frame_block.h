@@ -20,5 +20,9 @@ struct FrameBlock {
     uvec4 sun_sector;         // where the horizon towards the sun stands: word and shift of the two nearest azimuths
     uvec4 moon_sector;        // likewise
     vec4 near_light[17];      // rgb: colour of light that a thin layer of air scatters, at the brightness of horizon_light
+    vec4 cloud_map;           // the map of the clouds' shadow. x: 1 / its side, 0: none; y: its height; z, w: bottom and top
+                              // of the clouds
+    vec4 cloud_key;           // xy: way east and north a metre up towards the light; zw: the map's corner, in sides
+    uvec4 cloud_shadow[784];  // 112 x 112 bytes: transmittance of the key light
     vec4 horizon_light[17];   // rgb: radiance of the sky at the horizon, entry i at sin(azimuth from the sun / 2) = i / 16
 };

@@ -24,6 +24,27 @@ float moon_visibility(uvec4 horizon) {
                              frame.to_moon.w);
 }
 
+float cloud_texel(int x, int y) {
+    int at = (y % 112) * 112 + x % 112;
+    return float((frame.cloud_shadow[at >> 4][(at >> 2) & 3] >> ((at & 3) << 3)) & 255u) / 255.0;
+}
+
+// Fractions of the light of sun and moon that clouds let through to a point given relative to the camera: of the
+// stronger of the two alone. Mountains that stand in the clouds come out of their shadow with height.
+vec2 cloud_visibility(vec3 relative_m) {
+    if (frame.cloud_map.x == 0.0) {
+        return vec2(1.0);
+    }
+    vec3 at_m = relative_m + frame.camera_m.xyz;
+    vec2 texel = 112.0 * fract((at_m.xy + frame.cloud_key.xy * (frame.cloud_map.y - at_m.z)) * frame.cloud_map.x - frame.cloud_key.zw) + 111.5;
+    ivec2 first = ivec2(texel);
+    vec2 part = texel - vec2(first);
+    float through = mix(mix(cloud_texel(first.x, first.y), cloud_texel(first.x + 1, first.y), part.x),
+                        mix(cloud_texel(first.x, first.y + 1), cloud_texel(first.x + 1, first.y + 1), part.x), part.y);
+    through = mix(through, 1.0, smoothstep(frame.cloud_map.z, frame.cloud_map.w, at_m.z));
+    return frame.key.w > 0.5 ? vec2(1.0, through) : vec2(through, 1.0);
+}
+
 // Irradiance of sky and ground over pi (Ramamoorthi and Hanrahan 2001, eq. 11). The cut at order 3 can ring below zero.
 vec3 sky_irradiance(vec3 normal) {
     vec4 n = vec4(normal, 1.0);

@@ -14,7 +14,8 @@ void main() {
     Surface s = read_surface();
     gl_Position = frame.clip_from_relative * vec4(s.relative_m, 1.0);
     float sun = sun_visibility(s.horizon);
-    vec3 light = direct_irradiance(s.normal, sun, moon_visibility(s.horizon)) + s.ambient * sky_irradiance(s.normal);
+    vec2 through = cloud_visibility(s.relative_m);
+    vec3 light = direct_irradiance(s.normal, sun * through.x, moon_visibility(s.horizon) * through.y) + s.ambient * sky_irradiance(s.normal);
     vec3 radiance = through_air(s.albedo * light, s.relative_m, sun);
     color = hdr ? radiance : display(radiance);
 }

@@ -16,8 +16,9 @@ void main() {
     gl_Position = frame.clip_from_relative * vec4(s.relative_m, 1.0);
     ground_m = position_m.xy;
     float sun_visible = sun_visibility(s.horizon);
-    vec3 sun = frame.sun.rgb * sun_visible;
-    vec3 moon = frame.moon.rgb * moon_visibility(s.horizon);
+    vec2 through = cloud_visibility(s.relative_m);
+    vec3 sun = frame.sun.rgb * (sun_visible * through.x);
+    vec3 moon = frame.moon.rgb * (moon_visibility(s.horizon) * through.y);
     bool by_moon = frame.key.w > 0.5;
     vec3 other = by_moon ? sun * max(dot(s.normal, frame.to_sun.xyz), 0.0)
                          : moon * max(dot(s.normal, frame.to_moon.xyz), 0.0);

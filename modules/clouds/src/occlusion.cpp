@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
 
 namespace alpenglow::clouds {
 
@@ -76,9 +77,15 @@ namespace {
 template <class Add>
 void look_around(std::span<const LitCloud> clouds, const glm::dvec3& position_m, int rays, Add&& add) {
     assert(rays > 0);
-    std::vector<CloudLighting::ViewFields> fields;
+    // Clouds that share their light share its fields.
+    std::map<const CloudLighting*, CloudLighting::ViewFields> made;
+    std::vector<const CloudLighting::ViewFields*> fields;
     for (const LitCloud& cloud : clouds) {
-        fields.push_back(cloud.lighting->contract_mean());
+        const auto [at, fresh] = made.try_emplace(cloud.lighting);
+        if (fresh) {
+            at->second = cloud.lighting->contract_mean();
+        }
+        fields.push_back(&at->second);
     }
     MarchSettings settings;
     settings.step_voxels = 2.0F; // what a probe keeps of it is a few bands
@@ -93,7 +100,7 @@ void look_around(std::span<const LitCloud> clouds, const glm::dvec3& position_m,
             const BrickVolume& volume = *clouds[c].volume;
             order[c] = c;
             hits[c] = volume.empty() ? RayLight{}
-                                     : march_ray(volume, *clouds[c].lighting, fields[c],
+                                     : march_ray(volume, *clouds[c].lighting, *fields[c],
                                                  volume.transform().index_from_world(position_m - clouds[c].offset_m),
                                                  direction, settings, 1e30F);
         }

@@ -20,7 +20,7 @@ float angle_between(const glm::vec3& a, const glm::vec3& b) {
 
 } // namespace
 
-CloudSources cloud_sources(const SkyState& state, const SkyLightSh* sky) {
+CloudSources cloud_sources(const SkyState& state, const SkyLightSh* sky, const glm::vec3& ground_albedo) {
     CloudSources out;
     const float sun = state.to_sun.z > -0.02F ? luminance_of(state.sun_illuminance_lux) : 0.0F;
     const float moon = state.to_moon.z > -0.02F ? luminance_of(state.moon_illuminance_lux) : 0.0F;
@@ -36,6 +36,25 @@ CloudSources cloud_sources(const SkyState& state, const SkyLightSh* sky) {
     if (sky != nullptr && sky->bands > 0) {
         out.sky.bands = std::min(sky->bands, 4);
         std::copy_n(sky->coefficients.begin(), out.sky.bands * out.sky.bands, out.sky.coefficients.begin());
+        // Irradiance of level ground: pi K_0 c_0 + (2 pi / 3) K_1 c_10 + (pi / 4) K_2 c_20 with K_l = sqrt((2l+1)/(4
+        // pi)).
+        constexpr float k[4] = {0.28209479F, 0.48860251F, 0.63078313F, 0.74635267F};
+        constexpr float pi_f = 3.14159265F;
+        const auto& c = out.sky.coefficients;
+        glm::vec3 ground = pi_f * k[0] * c[0];
+        ground += out.sky.bands > 1 ? 2.0F * pi_f / 3.0F * k[1] * c[2] : glm::vec3(0.0F);
+        ground += out.sky.bands > 2 ? 0.25F * pi_f * k[2] * c[6] : glm::vec3(0.0F);
+        for (int i = 0; i < out.count; ++i) {
+            ground += std::max(out.lights[i].to_light.z, 0.0F) * out.lights[i].irradiance;
+        }
+        // Of a lower hemisphere of radiance 1: 2 pi K_l times the integral of P_l from -1 to 0, which is 1, -1/2, 0,
+        // 1/8.
+        constexpr float share[4] = {1.0F, -0.5F, 0.0F, 0.125F};
+        for (int l = 0; l < out.sky.bands; ++l) {
+            const glm::vec3 radiance(std::max(ground.x, 0.0F), std::max(ground.y, 0.0F), std::max(ground.z, 0.0F));
+            out.sky.coefficients[std::size_t(l * (l + 1))] +=
+                ground_albedo * radiance * (2.0F * k[l] * share[l]); // over pi: the plane's radiance
+        }
     }
     return out;
 }

@@ -15,7 +15,8 @@
 
 namespace alpenglow {
 
-// Writes CloudLight to every entity with CloudVolume, from the first SkyState and its SkyLightSh; asks for that sky by
+// Writes CloudLight to every entity with CloudVolume, from the first SkyState, its SkyLightSh and, for the light that the
+// ground sends up, its Atmosphere; asks for that sky by
 // a SkyLightReceiver where a visible cloud is skylit. Skipped: clouds without a volume, not visible, smaller than a
 // pixel, or whose light is within max_error of what it should be (clouds::staleness). Colours of sun and moon follow at
 // once; directions and sky start slices of work, the stalest cloud first, at most CloudBudget a frame. What
@@ -27,7 +28,9 @@ SystemReport update_clouds(R& registry, const Frame& /*frame*/) {
     clouds::CloudSources sources;
     registry.template view<const SkyState>().each([&, first = true](auto entity, const SkyState& state) mutable {
         if (std::exchange(first, false)) {
-            sources = clouds::cloud_sources(state, registry.template try_get<SkyLightSh>(entity));
+            const Atmosphere* air = registry.template try_get<Atmosphere>(entity);
+            sources = clouds::cloud_sources(state, registry.template try_get<SkyLightSh>(entity),
+                                            air != nullptr ? air->ground_albedo : glm::vec3(0.0F));
         }
     });
     struct Item {

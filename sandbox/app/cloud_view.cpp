@@ -1,0 +1,137 @@
+#include "sandbox/app/cloud_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+#include "sandbox/app/cloud_depth.hpp"
+
+namespace alpenglow::sandbox {
+namespace {
+
+bool same_view(const Camera& a, const Camera& b) {
+    return a.position_m == b.position_m && a.yaw_rad == b.yaw_rad && a.pitch_rad == b.pitch_rad &&
+           a.fov_y_rad == b.fov_y_rad;
+}
+
+bool same(const clouds::Camera& a, const clouds::Camera& b) {
+    return a.position_m == b.position_m && a.forward == b.forward && a.up == b.up &&
+           a.tan_half_height == b.tan_half_height && a.width == b.width && a.height == b.height;
+}
+
+// The largest way that a cloud has moved between two states; infinite where they are not the same clouds.
+double moved_m(std::span<const clouds::LitCloud> a, std::span<const clouds::LitCloud> b) {
+    if (a.size() != b.size()) {
+        return 1e30;
+    }
+    double most = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        if (a[i].volume != b[i].volume || a[i].lighting != b[i].lighting) {
+            return 1e30;
+        }
+        most = std::max(most, glm::length(a[i].offset_m - b[i].offset_m));
+    }
+    return most;
+}
+
+} // namespace
+
+clouds::Camera cloud_camera(const Camera& camera, int width, int height, int divisor) {
+    clouds::Camera out;
+    out.position_m = glm::dvec3(camera.position_m);
+    out.forward = camera.forward();
+    out.right = camera.right();
+    out.up = camera.up();
+    out.width = (width + divisor - 1) / divisor;
+    out.height = (height + divisor - 1) / divisor;
+    out.tan_half_height =
+        std::tan(0.5F * camera.fov_y_rad) * static_cast<float>(out.height * divisor) / static_cast<float>(height);
+    return out;
+}
+
+void CloudView::start(const CloudsInView& view) {
+    job_.clouds = view.clouds;
+    job_.fields.clear();
+    for (const clouds::LitCloud& cloud : view.clouds) {
+        job_.fields.push_back(
+            cloud.lighting->contract(cloud.volume->transform().index_from_world(camera_.position_m - cloud.offset_m)));
+    }
+    job_.picture = clouds::Picture(camera_.width, camera_.height);
+    job_.rows_done = 0;
+    job_.running = true;
+}
+
+std::size_t CloudView::march_rows(int until) {
+    clouds::MarchSettings march;
+    march.step_voxels = settings.step_voxels;
+    march.optical_step = settings.optical_step;
+    march.stop_transmittance = 4e-3F; // an 8-bit step
+    march.scene_depth_m = landscape_m_;
+    march.rect = {0, job_.rows_done, camera_.width, std::min(until, camera_.height)};
+    if (!march.rect.empty()) {
+        const clouds::Picture rows = clouds::march(job_.clouds, camera_, march, job_.fields);
+        const auto width = static_cast<std::size_t>(camera_.width);
+        const std::size_t from = static_cast<std::size_t>(march.rect.y0) * width;
+        const std::size_t count = static_cast<std::size_t>(march.rect.y1 - march.rect.y0) * width;
+        const auto copy = [&](const auto& source, auto& target) {
+            std::copy_n(source.begin() + static_cast<std::ptrdiff_t>(from), count,
+                        target.begin() + static_cast<std::ptrdiff_t>(from));
+        };
+        copy(rows.radiance, job_.picture.radiance);
+        copy(rows.transmittance, job_.picture.transmittance);
+        copy(rows.depth_m, job_.picture.depth_m);
+        copy(rows.spread_m, job_.picture.spread_m);
+    }
+    const int done = march.rect.y1 - march.rect.y0;
+    job_.rows_done = march.rect.y1;
+    return static_cast<std::size_t>(done) * static_cast<std::size_t>(camera_.width);
+}
+
+void CloudView::finish() {
+    std::swap(picture_, job_.picture);
+    shown_ = std::move(job_.clouds);
+    job_ = {};
+    revision_ = next_revision();
+    nearest_m_ = 1e30F;
+    for (std::size_t i = 0; i < picture_.depth_m.size(); ++i) {
+        if (picture_.transmittance[i] < 0.95F) {
+            nearest_m_ = std::min(nearest_m_, picture_.depth_m[i]);
+        }
+    }
+}
+
+std::size_t CloudView::update(const CloudsInView& view, const Camera& camera, int width, int height) {
+    const bool moving = has_last_camera_ && !same_view(camera, last_camera_);
+    last_camera_ = camera;
+    has_last_camera_ = true;
+    const int divisor = moving ? settings.moving_divisor : settings.still_divisor;
+    const clouds::Camera wanted = cloud_camera(camera, width, height, divisor);
+    if (divisor != divisor_ || !same(wanted, camera_) || view.light_revision != light_revision_ || revision_ == 0 ||
+        moved_m(shown_, view.clouds) > 1e20) {
+        divisor_ = divisor;
+        camera_ = wanted;
+        light_revision_ = view.light_revision;
+        landscape_distance(camera_, view.terrain_vertices, view.terrain_indices, landscape_m_);
+        start(view);
+        const std::size_t rays = march_rows(camera_.height);
+        finish();
+        return rays;
+    }
+    if (!job_.running) {
+        const float pixel_m = 2.0F * camera_.tan_half_height / static_cast<float>(camera_.height) * nearest_m_;
+        if (moved_m(shown_, view.clouds) <= static_cast<double>(settings.drift_pixels * pixel_m)) {
+            return 0;
+        }
+        start(view);
+    }
+    const int rows = (camera_.height + settings.spread_frames - 1) / std::max(1, settings.spread_frames);
+    const std::size_t rays = march_rows(job_.rows_done + rows);
+    if (job_.rows_done >= camera_.height) {
+        finish();
+    }
+    return rays;
+}
+
+} // namespace alpenglow::sandbox

@@ -1,0 +1,76 @@
+// The clouds' picture for one camera: kept while nothing that it shows has changed, made anew piece by piece where only
+// the wind has moved them, and at once, more coarsely, where the camera moves.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <alpenglow/clouds/march.hpp>
+
+#include "sandbox/world/camera.hpp"
+#include "sandbox/world/render_data.hpp"
+
+namespace alpenglow::sandbox {
+
+// What is in the picture.
+struct CloudsInView {
+    std::vector<clouds::LitCloud> clouds;
+    std::uint32_t light_revision = 0; // moves when the clouds' light or shape does, not with the wind
+    std::span<const Vertex> terrain_vertices;
+    std::span<const std::uint32_t> terrain_indices;
+};
+
+struct CloudViewSettings {
+    int still_divisor = 2;      // pixels of the screen a pixel, each way, while the camera stands
+    int moving_divisor = 4;     // while it moves
+    int spread_frames = 12;     // over which a picture is made where only the wind has moved
+    float drift_pixels = 0.35F; // of the picture, that clouds may drift before it is made anew
+    float step_voxels = 1.0F;
+    float optical_step = 0.25F;
+};
+
+class CloudView {
+public:
+    CloudViewSettings settings;
+
+    // Brings the picture up to date; returns the rays marched. `width`, `height`: of the screen.
+    std::size_t update(const CloudsInView& view, const Camera& camera, int width, int height);
+
+    [[nodiscard]] const clouds::Picture& picture() const { return picture_; }
+    [[nodiscard]] const clouds::Camera& camera() const { return camera_; }
+    [[nodiscard]] const std::vector<float>& landscape_m() const { return landscape_m_; }
+    [[nodiscard]] float scale() const { return static_cast<float>(divisor_); }
+    [[nodiscard]] std::uint32_t revision() const { return revision_; } // next_revision() of the last picture
+
+private:
+    // A picture in the making.
+    struct Job {
+        std::vector<clouds::LitCloud> clouds;
+        std::vector<clouds::CloudLighting::ViewFields> fields;
+        clouds::Picture picture;
+        int rows_done = 0;
+        bool running = false;
+    };
+    void start(const CloudsInView& view);
+    // Rows up to `until`; returns the rays marched.
+    std::size_t march_rows(int until);
+    void finish();
+
+    clouds::Camera camera_; // of the picture and of the job
+    int divisor_ = 0;
+    std::vector<float> landscape_m_;
+    clouds::Picture picture_;
+    std::vector<clouds::LitCloud> shown_; // in the picture
+    float nearest_m_ = 1e30F;
+    std::uint32_t light_revision_ = 0;
+    std::uint32_t revision_ = 0;
+    Job job_;
+    Camera last_camera_;
+    bool has_last_camera_ = false;
+};
+
+// The camera of a picture of the screen at 1 / divisor of its resolution, rounded up and centred.
+[[nodiscard]] clouds::Camera cloud_camera(const Camera& camera, int width, int height, int divisor);
+
+} // namespace alpenglow::sandbox

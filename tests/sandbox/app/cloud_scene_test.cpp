@@ -1,0 +1,218 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string_view>
+
+#include <glm/geometric.hpp>
+
+#include "sandbox/app/camera_flight.hpp"
+#include "sandbox/app/cloud_depth.hpp"
+#include "sandbox/app/cloud_scene.hpp"
+#include "sandbox/app/game.hpp"
+#include "sandbox/world/landscape_file.hpp"
+
+namespace alpenglow::sandbox {
+namespace {
+
+// Small, coarse clouds, so that modelling and lighting take a moment.
+Scene cloudy(double time_rate = 0.0) {
+    Scene scene = *load_scene("cumulus");
+    scene.time_rate = time_rate;
+    CloudLayerSettings layer;
+    layer.extent_m = 8000.0F;
+    layer.voxel_m = 100.0F;
+    scene.clouds->layers = {layer};
+    return scene;
+}
+
+constexpr int width = 192;
+constexpr int height = 108;
+
+class CloudSceneTest : public ::testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        const std::filesystem::path file = built_landscape();
+        game_ = new Game(*load_scene("noon"), open_world(std::span(&file, 1)).world);
+    }
+    static void TearDownTestSuite() {
+        delete game_;
+        game_ = nullptr;
+    }
+    static void update(double dt_s) { game_->update(dt_s, width, height); }
+    static const SystemReport& report(std::string_view system) {
+        const auto at = std::find_if(game_->reports().begin(), game_->reports().end(),
+                                     [&](const SystemReport& r) { return r.system == system; });
+        EXPECT_NE(at, game_->reports().end()) << system;
+        return *at;
+    }
+    static inline Game* game_ = nullptr;
+};
+
+TEST_F(CloudSceneTest, AStaticSceneBakesAndMarchesOnce) {
+    game_->enter(cloudy());
+    update(0.0);
+    update(1.0 / 60.0);
+    const std::uint32_t picture = game_->frame().clouds->revision;
+    const std::uint32_t shadow = game_->frame().clouds->shadow.revision;
+    for (int frame = 0; frame < 5; ++frame) {
+        update(1.0 / 60.0);
+        for (const char* system : {"clouds", "cloud_shade", "cloud_view"}) {
+            EXPECT_EQ(report(system).updated, 0U) << system;
+        }
+    }
+    EXPECT_EQ(game_->frame().clouds->revision, picture);
+    EXPECT_EQ(game_->frame().clouds->shadow.revision, shadow);
+}
+
+TEST_F(CloudSceneTest, TheWindMovesTheShadowWithoutMakingItAgainAndThePictureInPieces) {
+    game_->enter(cloudy(1.0));
+    game_->part<CloudScene>()->settings.wind_m_s = 50.0F;
+    update(0.0);
+    update(1.0 / 60.0);
+    const CloudShadowMap before = game_->frame().clouds->shadow;
+    const std::uint32_t picture = game_->frame().clouds->revision;
+    std::uint32_t marched = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+        update(1.0 / 60.0);
+        marched += report("cloud_view").updated;
+    }
+    const CloudShadowMap& after = game_->frame().clouds->shadow;
+    EXPECT_EQ(after.revision, before.revision);
+    EXPECT_NEAR(glm::length(after.offset_m - before.offset_m), 50.0F, 0.5F); // a second of wind
+    EXPECT_NE(game_->frame().clouds->revision, picture);
+    EXPECT_GT(marched, 0U);
+}
+
+TEST_F(CloudSceneTest, ClearAndCoveredAreTheEndsOfTheShadow) {
+    Scene scene = cloudy();
+    scene.clouds->layers.front().cover = 0.0F;
+    game_->enter(scene);
+    update(0.0);
+    for (const std::uint8_t texel : game_->frame().clouds->shadow.texels) {
+        ASSERT_EQ(texel, 255);
+    }
+    const float clear = glm::length(glm::vec3(game_->frame().irradiance_matrix[1][3]));
+    scene.clouds->layers.front().type = CloudLayerType::stratus;
+    scene.clouds->layers.front().cover = 1.0F;
+    game_->enter(scene);
+    update(0.0);
+    const std::span<const std::uint8_t> texels = game_->frame().clouds->shadow.texels;
+    ASSERT_FALSE(texels.empty());
+    double sum = 0.0;
+    for (const std::uint8_t texel : texels) {
+        sum += texel;
+    }
+    EXPECT_LT(sum / static_cast<double>(texels.size()), 0.1 * 255.0);
+    EXPECT_TRUE(std::isfinite(game_->frame().irradiance_matrix[1][3][3]));
+    EXPECT_GT(clear, 0.0F);
+}
+
+TEST_F(CloudSceneTest, FilesThatAreNoCloudsAreLeftOutAndSaidByName) {
+    const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "alpenglow_clouds";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "broken.vdb") << "not a VDB file";
+    Scene scene = cloudy();
+    scene.clouds->folder = folder.string();
+    scene.clouds->files.resize(2);
+    scene.clouds->files[0].path = "missing.vdb";
+    scene.clouds->files[1].path = "broken.vdb";
+    game_->enter(scene);
+    const std::vector<Error> problems = game_->take_problems();
+    ASSERT_EQ(problems.size(), 2U);
+    EXPECT_NE(problems[0].message().find("missing.vdb"), std::string::npos) << problems[0].message();
+    EXPECT_NE(problems[1].message().find("broken.vdb"), std::string::npos) << problems[1].message();
+    EXPECT_TRUE(game_->take_problems().empty());
+    EXPECT_EQ(game_->part<CloudScene>()->clouds(), 1U);
+    update(0.0);
+    EXPECT_NE(game_->frame().clouds, nullptr);
+}
+
+// Energy: what a pixel shows of the clouds is finite, at most the light of a white wall in the sun, and none where
+// nothing hides the sky.
+TEST_F(CloudSceneTest, ThePictureIsSound) {
+    game_->enter(cloudy());
+    update(0.0);
+    const CloudRenderData& clouds = *game_->frame().clouds;
+    ASSERT_EQ(clouds.radiance_cd_m2.size(), clouds.transmittance.size());
+    const FrameData& frame = game_->frame();
+    const float brightest = frame.sun_illuminance_lux.g;
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < clouds.transmittance.size(); ++i) {
+        ASSERT_GE(clouds.transmittance[i], 0.0F);
+        ASSERT_LE(clouds.transmittance[i], 1.0F);
+        ASSERT_GE(clouds.radiance_cd_m2[i].g, 0.0F);
+        ASSERT_LE(clouds.radiance_cd_m2[i].g, brightest);
+        if (clouds.transmittance[i] < 0.5F) {
+            ++seen;
+            EXPECT_GT(clouds.distance_m[i], 0.0F);
+            EXPECT_LT(clouds.distance_m[i], clouds.landscape_m[i]); // nothing behind the mountains
+        }
+    }
+    EXPECT_GT(seen, 100U);
+}
+
+TEST_F(CloudSceneTest, TheLandscapesDistanceIsThatOfItsTriangles) {
+    game_->enter(cloudy());
+    update(0.0);
+    const clouds::Camera camera = cloud_camera(game_->camera, width, height, 4);
+    std::vector<float> distance;
+    const WorldData& data = game_->world().data;
+    landscape_distance(camera, data.terrain.vertices, game_->frame().terrain_indices, distance);
+    // A ray against every triangle (Moeller and Trumbore 1997).
+    const glm::vec3 eye(camera.position_m);
+    int hits = 0;
+    for (int y = 1; y < camera.height; y += 5) {
+        for (int x = 1; x < camera.width; x += 7) {
+            const glm::vec3 d = camera.direction(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
+            float nearest = 1e30F;
+            const auto indices = game_->frame().terrain_indices;
+            for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
+                const glm::vec3 a = data.terrain.vertices[indices[i]].position_m - eye;
+                const glm::vec3 u = data.terrain.vertices[indices[i + 1]].position_m - eye - a;
+                const glm::vec3 v = data.terrain.vertices[indices[i + 2]].position_m - eye - a;
+                const glm::vec3 p = glm::cross(d, v);
+                const float determinant = glm::dot(u, p);
+                if (determinant == 0.0F) {
+                    continue;
+                }
+                const float s = -glm::dot(a, p) / determinant;
+                const glm::vec3 q = glm::cross(-a, u);
+                const float t = glm::dot(d, q) / determinant;
+                const float far = glm::dot(v, q) / determinant;
+                if (s >= 0.0F && t >= 0.0F && s + t <= 1.0F && far > 1.0F) {
+                    nearest = std::min(nearest, far);
+                }
+            }
+            const float found = distance[static_cast<std::size_t>(y * camera.width + x)];
+            if (nearest > 1e29F || found > 1e29F) {
+                continue; // at the outline a ray may pass between
+            }
+            ++hits;
+            EXPECT_NEAR(found / nearest, 1.0F, 0.02F) << x << ", " << y;
+        }
+    }
+    EXPECT_GT(hits, 5);
+}
+
+TEST(CameraFlight, PassesThroughItsKeysAndTurnsTheShorterWay) {
+    const FlightSettings flight{
+        .keys = {{0.0, {0, 0, 100}, 170, 0}, {10.0, {100, 0, 120}, -170, 10}, {25.0, {100, 300, 90}, -90, -10}}};
+    for (const FlightKey& key : flight.keys) {
+        if (key.time_s >= 25.0) {
+            continue; // there the path begins anew
+        }
+        const FlightKey at = flight_at(flight, key.time_s);
+        EXPECT_NEAR(glm::length(at.position_m - key.position_m), 0.0F, 1e-3F);
+        EXPECT_NEAR(std::remainder(at.yaw_deg - key.yaw_deg, 360.0F), 0.0F, 1e-3F);
+        EXPECT_NEAR(at.pitch_deg, key.pitch_deg, 1e-3F);
+    }
+    EXPECT_NEAR(std::abs(std::remainder(flight_at(flight, 5.0).yaw_deg - 180.0F, 360.0F)), 0.0F, 5.0F);
+    EXPECT_EQ(flight_at(flight, 25.0).position_m, flight.keys.front().position_m);
+}
+
+} // namespace
+} // namespace alpenglow::sandbox
