@@ -277,6 +277,7 @@ HWY_INLINE V solve_sloan(const Form<Terms>& form, double end, M needed) {
     const V first = u, last = hn::Max(hn::Sub(u, constant(1.0)), limit);
     // The column between last and first.
     const Column c = column(last);
+    M active = needed; // a lane stops by itself, whatever the others do
     for (int iteration = 0; iteration < 8; ++iteration) {
         const V along = hn::Sub(u, last);
         const Value value =
@@ -287,8 +288,9 @@ HWY_INLINE V solve_sloan(const Form<Terms>& form, double end, M needed) {
         const V next = hn::Min(hn::Max(hn::Sub(u, step), last), first);
         const M open =
             hn::And(hn::Ne(next, u), hn::Gt(hn::Abs(value.dual), hn::Mul(constant(0.2 * tolerance), form.mean)));
-        u = next;
-        if (hn::AllFalse(d, hn::And(needed, open))) {
+        u = hn::IfThenElse(active, next, u);
+        active = hn::And(active, open);
+        if (hn::AllFalse(d, active)) {
             break;
         }
     }
@@ -311,8 +313,8 @@ HWY_INLINE V solve_gauss(const Form<3>& form, V linear, M needed) {
     for (int iteration = 0; iteration < 20; ++iteration) {
         const V square = hn::Mul(p, p);
         const Value value = minimum<3, true>(form, p, hn::Mul(square, p));
-        const M open = hn::Gt(hn::Abs(value.dual), hn::Mul(constant(0.2 * tolerance), form.mean));
-        if (hn::AllFalse(d, hn::And(needed, open))) {
+        const M open = hn::And(needed, hn::Gt(hn::Abs(value.dual), hn::Mul(constant(0.2 * tolerance), form.mean)));
+        if (hn::AllFalse(d, open)) {
             break;
         }
         const V taken = hn::Max(hn::Sub(form.mean, value.dual), tiny);
@@ -322,9 +324,10 @@ HWY_INLINE V solve_gauss(const Form<3>& form, V linear, M needed) {
         const V top = hn::MulAdd(more, form.mean, hn::Mul(less, taken));
         const V bottom = hn::MulAdd(less, form.mean, hn::Mul(more, taken));
         // A step out of the bracket goes to its middle instead.
+        const V before = p;
         const M fits = hn::Ge(value.dual, hn::Zero(d));
-        good = hn::IfThenElse(fits, p, good);
-        bad = hn::IfThenElse(fits, bad, p);
+        good = hn::IfThenElse(hn::And(open, fits), p, good);
+        bad = hn::IfThenElse(hn::AndNot(fits, open), p, bad);
         // Below the power 1 the tangent is the better guess.
         const V tangent = hn::Sub(p, hn::Div(value.dual, hn::Min(slope, constant(-1e-12))));
         const V halley = hn::Mul(p, hn::Div(hn::Max(top, tiny), hn::Max(bottom, tiny)));
@@ -333,6 +336,7 @@ HWY_INLINE V solve_gauss(const Form<3>& form, V linear, M needed) {
         const M inside =
             hn::And(hn::Ge(p, hn::Mul(good, constant(1.0 - 1e-5))), hn::Le(p, hn::Mul(bad, constant(1.0 + 1e-5))));
         p = hn::IfThenElse(inside, p, hn::Sqrt(hn::Mul(good, bad)));
+        p = hn::IfThenElse(open, p, before);
     }
     // The last step was not looked at: one more, downwards only, along the tangent.
     const V square = hn::Mul(p, p);
@@ -340,10 +344,23 @@ HWY_INLINE V solve_gauss(const Form<3>& form, V linear, M needed) {
     const V slope = hn::MulAdd(hn::Mul(constant(3.0), square), value.slope2, value.slope1);
     p = hn::Sub(p, hn::Div(hn::Min(value.dual, hn::Zero(d)), hn::Min(slope, constant(-1e-12))));
     p = hn::Min(p, one);
-    // Where that is not enough (two minima of nearly one height), the best that is known to do.
-    const V last = hn::Mul(hn::Mul(p, p), p);
-    const M fits = hn::Ge(minimum<3, false>(form, p, last).dual, hn::Mul(constant(-tolerance), form.mean));
-    return hn::IfThenElse(fits, p, good);
+    // Where that is not enough (two minima of nearly one height), bisection from the best that is known to do.
+    const V floor = hn::Mul(constant(-tolerance), form.mean);
+    const auto fits = [&](V q) HWY_ATTR {
+        return hn::Ge(minimum<3, false>(form, q, hn::Mul(hn::Mul(q, q), q)).dual, floor);
+    };
+    const M done = fits(p);
+    if (hn::AllFalse(d, hn::AndNot(done, needed))) {
+        return p;
+    }
+    V low = good, high = p;
+    for (int iteration = 0; iteration < 12; ++iteration) {
+        const V middle = hn::Mul(constant(0.5), hn::Add(low, high));
+        const M fit = fits(middle);
+        low = hn::IfThenElse(fit, middle, low);
+        high = hn::IfThenElse(fit, high, middle);
+    }
+    return hn::IfThenElse(done, p, low);
 }
 
 struct Kernel {
@@ -357,19 +374,95 @@ struct Kernel {
     DeringOutcome* outcomes;
     Batch factors;
 
+    static constexpr std::size_t chunk = 256;
+
+    // What a chunk's items are found to be, by masks of 0 and 1.
+    struct Items {
+        HWY_ALIGN float kept[chunk]; // the factor (blend), p (gauss), or columns from the end of the table
+        HWY_ALIGN float finite[chunk], dark[chunk], windowed[chunk];
+    };
+    // The items of a chunk that need a search: one in six of common lights, so that it pays to close ranks.
+    struct Pending {
+        HWY_ALIGN float mean[chunk + 16], lowest[chunk + 16], half[3][chunk + 16], gap[3][chunk + 16];
+        HWY_ALIGN float linear[chunk + 16], item[chunk + 16];
+        std::size_t count = 0;
+    };
+    static HWY_INLINE M mask_of(const float* p) { return hn::Gt(hn::Load(d, p), constant(0.5)); }
+    static HWY_INLINE void set_mask(M mask, float* p) { hn::Store(hn::IfThenElseZero(mask, constant(1.0)), d, p); }
+
+    template <int Terms>
+    static HWY_INLINE void wait(const Form<Terms>& form, V linear, M needed, std::size_t k, Pending& pending) {
+        const std::size_t at = pending.count;
+        const auto put = [&](V v, float* row) HWY_ATTR { hn::CompressStore(v, needed, d, row + at); };
+        put(form.mean, pending.mean);
+        put(form.lowest, pending.lowest);
+        for (int i = 0; i < Terms; ++i) {
+            put(form.half[i], pending.half[i]);
+            put(form.gap[i], pending.gap[i]);
+        }
+        put(linear, pending.linear);
+        pending.count += hn::CompressStore(hn::Iota(d, static_cast<float>(k)), needed, d, pending.item + at);
+    }
+
+    template <int Terms>
+    HWY_INLINE void solve(const Pending& pending, Items& items) const {
+        for (std::size_t at = 0; at < pending.count; at += lanes()) {
+            const std::size_t here = std::min(lanes(), pending.count - at);
+            // Lanes past the end repeat nothing: a quadratic that is 1.
+            const M inside = hn::FirstN(d, here);
+            const auto get = [&](const float* row) HWY_ATTR { return hn::IfThenElseZero(inside, load(row + at)); };
+            Form<Terms> form;
+            form.mean = hn::IfThenElse(inside, load(pending.mean + at), constant(1.0));
+            form.lowest = get(pending.lowest);
+            for (int i = 0; i < Terms; ++i) {
+                form.half[i] = get(pending.half[i]);
+                form.gap[i] = get(pending.gap[i]);
+            }
+            V kept;
+            if constexpr (Terms == 2) {
+                kept = solve_sloan<2>(form, 1.0, inside);
+            } else {
+                kept = family == WindowFamily::gauss ? solve_gauss(form, get(pending.linear), inside)
+                                                     : solve_sloan<3>(form, 0.0, inside);
+            }
+            HWY_ALIGN float found[16];
+            hn::Store(kept, d, found);
+            for (std::size_t i = 0; i < here; ++i) {
+                const auto item = static_cast<std::size_t>(pending.item[at + i]);
+                items.kept[item] = std::min(items.kept[item], found[i]);
+                items.windowed[item] = 1.0F;
+            }
+        }
+    }
+
     template <bool Paper>
     HWY_INLINE void run() const {
+        for (std::size_t begin = 0; begin < in.count; begin += chunk) {
+            run_chunk<Paper>(begin, std::min(chunk, padded(in.count - begin)));
+        }
+    }
+
+    template <bool Paper>
+    HWY_INLINE void run_chunk(std::size_t begin, std::size_t count) const {
+        const int rows = order * order;
+        const bool table = Paper || family == WindowFamily::sloan;
         const V zero = hn::Zero(d), one = constant(1.0);
-        for (std::size_t k = 0; k < in.count; k += lanes()) {
-            const int rows = order * order;
-            const bool table = Paper || family == WindowFamily::sloan;
-            const V all = table ? constant(detail::sloan_columns - 1) : one;
-            V kept = all; // the factor (blend), p (gauss), or columns from the end of the table
-            M finite = hn::Eq(zero, zero), dark = hn::Ne(zero, zero), windowed = dark;
-            for (int channel = 0; channel < channels; ++channel) {
-                const float* f = in.row(static_cast<std::size_t>(rows * channel)) + k;
+        const V all = table ? constant(detail::sloan_columns - 1) : one;
+        Items items;
+        for (std::size_t k = 0; k < count; k += lanes()) {
+            hn::Store(all, d, items.kept + k);
+            hn::Store(one, d, items.finite + k);
+            hn::Store(zero, d, items.dark + k);
+            hn::Store(zero, d, items.windowed + k);
+        }
+        Pending pending;
+        for (int channel = 0; channel < channels; ++channel) {
+            pending.count = 0;
+            for (std::size_t k = 0; k < count; k += lanes()) {
+                const float* f = in.row(static_cast<std::size_t>(rows * channel)) + begin + k;
                 V v[9];
                 V largest = zero;
+                const M finite = mask_of(items.finite + k);
                 M own = finite;
                 HWY_UNROLL(16)
                 for (std::size_t i = 0; i < 9; ++i) {
@@ -383,7 +476,7 @@ struct Kernel {
                     own = hn::And(own, fine);
                     unseen = hn::Max(unseen, hn::Abs(hn::IfThenElseZero(fine, third)));
                 }
-                finite = hn::And(finite, own);
+                set_mask(own, items.finite + k);
                 HWY_UNROLL(16)
                 for (int i = 0; i < 9; ++i) {
                     v[i] = hn::IfThenElseZero(own, v[i]);
@@ -401,7 +494,7 @@ struct Kernel {
                     v[i] = hn::Mul(hn::Mul(v[i], range), scale);
                 }
                 const M no_mean = hn::AndNot(hn::Gt(v[0], zero), lit);
-                dark = hn::Or(dark, no_mean);
+                set_mask(hn::Or(mask_of(items.dark + k), no_mean), items.dark + k);
                 const M usable = hn::AndNot(no_mean, lit);
 
                 Polynomial p;
@@ -432,33 +525,32 @@ struct Kernel {
                     continue;
                 }
                 const V threshold = hn::Mul(constant(-tolerance), p.mean);
-                V own_kept;
-                M needed;
                 if constexpr (Paper) {
                     const Form<2> form = paper_form(p);
-                    needed = hn::And(usable, hn::Lt(minimum<2, false>(form, one, one).dual, threshold));
-                    if (hn::AllFalse(d, needed)) {
-                        continue;
-                    }
-                    own_kept = solve_sloan<2>(form, 1.0, needed);
+                    const M needed = hn::And(usable, hn::Lt(minimum<2, false>(form, one, one).dual, threshold));
+                    wait<2>(form, linear, needed, k, pending);
                 } else {
                     const Form<3> form = exact_form(p);
                     const V least = minimum<3, false>(form, one, one).dual;
-                    needed = hn::And(usable, hn::Lt(least, threshold));
-                    if (hn::AllFalse(d, needed)) {
+                    const M needed = hn::And(usable, hn::Lt(least, threshold));
+                    if (family != WindowFamily::blend) {
+                        wait<3>(form, linear, needed, k, pending);
                         continue;
                     }
-                    if (family == WindowFamily::blend) { // towards the average the minimum is linear
-                        own_kept = hn::Div(p.mean, hn::Max(hn::Sub(p.mean, least), constant(1e-30)));
-                    } else if (family == WindowFamily::gauss) {
-                        own_kept = solve_gauss(form, linear, needed);
-                    } else {
-                        own_kept = solve_sloan<3>(form, 0.0, needed);
-                    }
+                    // Towards the average the minimum is linear.
+                    const V own_kept = hn::Div(p.mean, hn::Max(hn::Sub(p.mean, least), constant(1e-30)));
+                    hn::Store(hn::Min(hn::Load(d, items.kept + k), hn::IfThenElse(needed, own_kept, all)), d,
+                              items.kept + k);
+                    set_mask(hn::Or(mask_of(items.windowed + k), needed), items.windowed + k);
                 }
-                kept = hn::Min(kept, hn::IfThenElse(needed, own_kept, all));
-                windowed = hn::Or(windowed, needed);
             }
+            solve<Paper ? 2 : 3>(pending, items);
+        }
+        for (std::size_t k = 0; k < count; k += lanes()) {
+            const M finite = mask_of(items.finite + k), dark = mask_of(items.dark + k);
+            const M windowed = mask_of(items.windowed + k);
+            const V kept = hn::Load(d, items.kept + k);
+            const std::size_t at = begin + k;
             V w1 = kept, w2 = kept;
             if (table) {
                 const Column c = column(kept);
@@ -474,21 +566,21 @@ struct Kernel {
             w1 = hn::IfThenElseZero(alive, w1);
             w2 = hn::IfThenElseZero(alive, w2);
             if (factors.data != nullptr) {
-                store(w1, factors.row(0) + k);
+                store(w1, factors.row(0) + at);
                 for (int l = 2; l < order; ++l) {
-                    store(w2, factors.row(static_cast<std::size_t>(l - 1)) + k);
+                    store(w2, factors.row(static_cast<std::size_t>(l - 1)) + at);
                 }
             }
             for (int channel = 0; channel < channels; ++channel) {
                 for (int i = 0; i < rows; ++i) {
                     const auto row = static_cast<std::size_t>(rows * channel + i);
                     // Masked first: zero times NaN is NaN.
-                    const V value = hn::IfThenElseZero(alive, load(in.row(row) + k));
-                    store(i == 0 ? value : hn::Mul(value, i < 4 ? w1 : w2), out.row(row) + k);
+                    const V value = hn::IfThenElseZero(alive, load(in.row(row) + at));
+                    store(i == 0 ? value : hn::Mul(value, i < 4 ? w1 : w2), out.row(row) + at);
                 }
             }
             if (outcomes != nullptr) {
-                write_outcomes(k, finite, dark, windowed);
+                write_outcomes(at, finite, dark, windowed);
             }
         }
     }

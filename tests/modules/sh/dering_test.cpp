@@ -416,6 +416,40 @@ TEST_P(DeringBatches, ColoursShareTheStrongestWindowAndBadItemsStayAlone) {
     }
 }
 
+// Items that need a search are searched together, yet none knows of the others: the same bits whatever the company.
+TEST_P(DeringBatches, SameBitsWhateverTheChunks) {
+    constexpr std::size_t count = 700;
+    test::Random random(44);
+    BatchBuffer in(18, count), whole(18, count), parts(18, count);
+    for (std::size_t k = 0; k < count; ++k) {
+        for (std::size_t c = 0; c < 2; ++c) {
+            const std::vector<double> f = test::random_light(random);
+            for (std::size_t i = 0; i < 9; ++i) {
+                in.row(9 * c + i)[k] = static_cast<float>(f[i]);
+            }
+        }
+    }
+    for (const Choice choice : {Choice{DeringMethod::exact, WindowFamily::blend, Signal::irradiance},
+                                Choice{DeringMethod::exact, WindowFamily::gauss, Signal::irradiance},
+                                Choice{DeringMethod::exact, WindowFamily::sloan, Signal::radiance},
+                                Choice{DeringMethod::paper, WindowFamily::sloan, Signal::irradiance}}) {
+        DeringOptions options;
+        options.method = choice.method;
+        options.family = choice.family;
+        options.signal = choice.signal;
+        dering(2, in, whole, options);
+        for (std::size_t k = 0; k < count; k += 48) {
+            const std::size_t end = std::min(count, k + 48);
+            dering(2, in.view().items(k, end), parts.view().items(k, end), options);
+        }
+        for (std::size_t i = 0; i < in.rows(); ++i) {
+            for (std::size_t k = 0; k < count; ++k) {
+                EXPECT_EQ(whole.row(i)[k], parts.row(i)[k]) << i << ' ' << k;
+            }
+        }
+    }
+}
+
 TEST_P(DeringBatches, MinimaOfHigherOrdersAreCertified) {
     constexpr std::size_t count = 21;
     test::Random random(41);
