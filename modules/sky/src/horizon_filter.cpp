@@ -120,4 +120,49 @@ void HorizonFilter::apply(std::span<glm::vec3> coefficients) const {
     multiply(bands_, matrix_, coefficients);
 }
 
+namespace {
+
+template <class F>
+SkyFit with_rows_filtered(const SkyFit& fit, int bands, const F& filter) {
+    assert(bands >= 1 && bands <= fit.bands);
+    SkyFit out = fit;
+    out.bands = bands;
+    const std::size_t from = fit.functions();
+    std::array<glm::dvec3, 49> c{};
+    for (std::size_t p = 0; p < fit.parts.size(); ++p) {
+        const std::vector<float>& rows = fit.parts[p].rows;
+        std::vector<float>& filtered = out.parts[p].rows;
+        filtered.clear();
+        for (std::size_t row = 0; row < rows.size(); row += from) {
+            // A row's first functions are those of the first bands.
+            const float* in = rows.data() + row;
+            for (int l = 0; l < bands; ++l) {
+                for (int m = 0; m <= l; ++m, in += 3) {
+                    c[static_cast<std::size_t>(l * (l + 1) + m)] = glm::dvec3(in[0], in[1], in[2]);
+                }
+            }
+            filter(std::span(c).first(static_cast<std::size_t>(bands * bands)));
+            for (int l = 0; l < bands; ++l) {
+                for (int m = 0; m <= l; ++m) {
+                    const glm::dvec3& value = c[static_cast<std::size_t>(l * (l + 1) + m)];
+                    for (int k = 0; k < 3; ++k) {
+                        filtered.push_back(static_cast<float>(value[k]));
+                    }
+                }
+            }
+        }
+        assert(filtered.size() * from == rows.size() * out.functions());
+    }
+    return out;
+}
+
+} // namespace
+
+SkyFit filtered_fit(const SkyFit& fit, const HorizonFilter& filter) {
+    return with_rows_filtered(fit, filter.bands(), [&](std::span<glm::dvec3> c) { filter.apply(c); });
+}
+SkyFit filtered_fit_zonal_sinc(const SkyFit& fit, int bands) {
+    return with_rows_filtered(fit, bands, [&](std::span<glm::dvec3> c) { filter_zonal_sinc(bands, c); });
+}
+
 } // namespace alpenglow::sky

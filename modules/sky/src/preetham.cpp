@@ -41,7 +41,7 @@ glm::vec3 fast_luminance_chromaticity(const PreethamSky<float>& sky, const glm::
         const PerezCoefficients<float>& p = sky.perez[static_cast<std::size_t>(k)];
         value[k] = (1.0F + p.a * fast_exp2(p.b * inverse)) * (1.0F + p.c * fast_exp2(p.d * gamma) + p.e * squared);
     }
-    return sky.zenith_Yxy * value / sky.normalisation;
+    return sky.scale * value;
 }
 
 // The sun never below the horizon.
@@ -93,6 +93,7 @@ PreethamSky<Real> make_preetham(const glm::vec<3, Real>& to_sun, Real turbidity)
     for (int k = 0; k < 3; ++k) {
         sky.normalisation[k] = perez(sky.perez[static_cast<std::size_t>(k)], Real(1), theta, sky.to_sun.z);
     }
+    sky.scale = sky.zenith_Yxy / sky.normalisation;
     return sky;
 }
 
@@ -107,8 +108,7 @@ glm::vec<3, Real> luminance_chromaticity(const PreethamSky<Real>& sky, const glm
     const Real cos_theta = std::max(v.z, Real(least_cosine));
     glm::vec<3, Real> out;
     for (int k = 0; k < 3; ++k) {
-        out[k] = sky.zenith_Yxy[k] * perez(sky.perez[static_cast<std::size_t>(k)], cos_theta, gamma, cos_gamma) /
-                 sky.normalisation[k];
+        out[k] = sky.scale[k] * perez(sky.perez[static_cast<std::size_t>(k)], cos_theta, gamma, cos_gamma);
     }
     return out;
 }

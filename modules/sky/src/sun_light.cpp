@@ -37,6 +37,23 @@ Spectrum scaled_to_lux(Spectrum spectrum, double lux) {
     return spectrum;
 }
 
+// Of the whole air: molecules, and aerosol with the depth 1 at one micrometre.
+struct VerticalDepths {
+    Spectrum molecules, aerosol;
+};
+const VerticalDepths& vertical_depths() {
+    static const VerticalDepths depths = [] {
+        VerticalDepths out{};
+        for (std::size_t i = 0; i < spectrum_samples; ++i) {
+            const double um = wavelength_nm(i) * 1e-3;
+            out.molecules[i] = 0.008735 * std::pow(um, -4.08);
+            out.aerosol[i] = std::pow(um, -1.3);
+        }
+        return out;
+    }();
+    return depths;
+}
+
 // NaN counts as the least.
 double bounded(double value, double least, double most) {
     return value >= least ? std::min(value, most) : least;
@@ -139,7 +156,12 @@ double refraction_rad(double geometric_altitude_rad, double height_m) {
     if (geometric >= 0.0) {
         double refraction = 0.0;
         for (int i = 0; i < 12; ++i) { // refraction falls by a fifth at most of what the altitude rises
-            refraction = density(height) * bennett_rad(geometric + refraction);
+            const double next = density(height) * bennett_rad(geometric + refraction);
+            const bool settled = std::abs(next - refraction) < 1e-12;
+            refraction = next;
+            if (settled) {
+                break;
+            }
         }
         return refraction;
     }
@@ -206,6 +228,9 @@ glm::dvec3 visible_sun_fraction(double altitude_rad, double vertical_radius_rad)
         return glm::dvec3(altitude_rad >= 0.0 ? 1.0 : 0.0);
     }
     const double u = std::clamp(altitude_rad / vertical_radius_rad, -1.0, 1.0);
+    if (std::abs(u) == 1.0) {
+        return glm::dvec3(u > 0.0 ? 1.0 : 0.0);
+    }
     const double angle = std::asin(u);
     glm::dvec3 out;
     for (int k = 0; k < 3; ++k) {
@@ -247,11 +272,11 @@ Spectrum air_transmittance(const AirColumn& air, const SlantColumn& column) {
     const double beta = std::max(0.04608365822050 * turbidity - 0.04586025928522, 0.0);
     const double ozone_cm = bounded(air.ozone_atm_cm, 0.0, 2.0);
     const double water_cm = bounded(air.water_cm, 0.0, 20.0);
+    const VerticalDepths& vertical = vertical_depths();
     Spectrum out{};
     for (std::size_t i = 0; i < spectrum_samples; ++i) {
-        const double log_um = std::log(wavelength_nm(i) * 1e-3);
-        double depth = column.molecules * 0.008735 * std::exp(-4.08 * log_um) +
-                       column.aerosol * beta * std::exp(-1.3 * log_um) + column.ozone * ozone[i] * ozone_cm;
+        double depth = column.molecules * vertical.molecules[i] + column.aerosol * beta * vertical.aerosol[i] +
+                       column.ozone * ozone[i] * ozone_cm;
         const double w = water[i] * water_cm * column.water;
         if (w > 0.0) {
             depth += 0.2385 * w / std::pow(1.0 + 20.07 * w, 0.45);

@@ -161,6 +161,50 @@ TEST(Dome, GivenZenithIsKept) {
     }
 }
 
+// Perez et al. 1990, eq. 12 to 15: at the ends of the blend's ranges one of the four skies stands alone.
+TEST(Dome, AsrcSkiesAsPrinted) {
+    DomeParameters p;
+    p.model = DomeModel::asrc_cie;
+    const double sun_altitude = 35.0 * degree_rad;
+    const double zenith_angle = 0.5 * pi - sun_altitude;
+    p.to_sun = glm::vec3(towards(35.0, 0.0));
+    const auto kittler = [](double c0, double c1, double c2, double angle) {
+        return c0 + c1 * std::exp(-3.0 * angle) + c2 * std::cos(angle) * std::cos(angle);
+    };
+    const auto gradation = [](double altitude) { return 1.0 - std::exp(-0.32 / std::sin(altitude)); };
+    const auto a = [](double x, double y) {
+        return (1.35 * (std::sin(3.59 * y - 0.009) + 2.31) * std::sin(2.6 * x + 0.316) + y + 4.799) / 2.326;
+    };
+    const auto b = [](double x, double y) { return -0.563 * ((y + 1.059) * (x - 0.008) + 0.812); };
+    for (double altitude : {10.0, 50.0}) {
+        for (double azimuth : {0.0, 100.0}) {
+            const double y = altitude * degree_rad;
+            const glm::dvec3 v = towards(altitude, azimuth);
+            const double angle = std::acos(glm::dot(v, towards(35.0, 0.0)));
+            const auto relative = [&](float clearness, float brightness) {
+                p.clearness = clearness;
+                p.brightness = brightness;
+                const auto dome = make_dome<double>(p);
+                return luminance_chromaticity(dome, v).x / luminance_chromaticity(dome, glm::dvec3(0, 0, 1)).x;
+            };
+            EXPECT_NEAR(relative(1.0F, 0.04F), (1.0 + 2.0 * std::sin(y)) / 3.0, 1e-6);
+            const double intermediate =
+                a(sun_altitude, y) * std::exp(angle * b(sun_altitude, y)) /
+                (a(sun_altitude, 0.5 * pi) * std::exp(zenith_angle * b(sun_altitude, 0.5 * pi)));
+            EXPECT_NEAR(relative(1.0F, 0.5F) / intermediate, 1.0, 1e-5);
+            EXPECT_NEAR(relative(1.2F, 0.1F) / intermediate, 1.0, 1e-5);
+            EXPECT_NEAR(relative(3.0F, 0.1F),
+                        gradation(y) * kittler(0.856, 16.0, 0.3, angle) /
+                            (gradation(0.5 * pi) * kittler(0.856, 16.0, 0.3, zenith_angle)),
+                        1e-5);
+            EXPECT_NEAR(relative(7.0F, 0.1F),
+                        gradation(y) * kittler(0.91, 10.0, 0.45, angle) /
+                            (gradation(0.5 * pi) * kittler(0.91, 10.0, 0.45, zenith_angle)),
+                        1e-5);
+        }
+    }
+}
+
 TEST(Dome, AsrcBlendIsContinuousInClearness) {
     DomeParameters p;
     p.model = DomeModel::asrc_cie;

@@ -121,6 +121,32 @@ TEST(HorizonFilter, CommutesWithTheAzimuth) {
     }
 }
 
+TEST(HorizonFilter, FilteredFitsGiveFilteredSkies) {
+    const glm::vec3 to_sun = glm::normalize(glm::vec3(0.5F, -0.3F, 0.2F));
+    for (int bands : {2, 3, 5, 7}) {
+        const HorizonFilter filter(bands, 1.4);
+        const SkyFit least_squares = filtered_fit(preetham_fit(), filter);
+        const SkyFit sinc = filtered_fit_zonal_sinc(preetham_fit(), bands);
+        for (float turbidity : {2.1F, 3.0F, 8.0F}) {
+            const std::array others{turbidity};
+            std::array<glm::vec3, 49> want{};
+            std::array<glm::vec3, 49> got{};
+            SkyFitEvaluator(preetham_fit()).evaluate_uncached(to_sun, others, bands, want);
+            std::array<glm::vec3, 49> want_sinc = want;
+            filter.apply(std::span<glm::vec3>(want));
+            filter_zonal_sinc(bands, std::span<glm::vec3>(want_sinc));
+            SkyFitEvaluator(least_squares).evaluate_uncached(to_sun, others, bands, got);
+            for (std::size_t i = 0; i < static_cast<std::size_t>(bands * bands); ++i) {
+                EXPECT_LT(glm::length(got[i] - want[i]), 3e-6F * glm::length(want[0])) << bands << ' ' << i;
+            }
+            SkyFitEvaluator(sinc).evaluate_uncached(to_sun, others, bands, got);
+            for (std::size_t i = 0; i < static_cast<std::size_t>(bands * bands); ++i) {
+                EXPECT_LT(glm::length(got[i] - want_sinc[i]), 3e-6F * glm::length(want[0])) << bands << ' ' << i;
+            }
+        }
+    }
+}
+
 TEST(HorizonFilter, SincAsPrinted) {
     Coefficients c{};
     c.fill(glm::dvec3(1.0));

@@ -1,6 +1,8 @@
 // Against ringing at the horizon: a sky ends there, and a few bands cannot end so sharply.
 #pragma once
 
+#include <alpenglow/sky/sky_fit.hpp>
+
 #include <array>
 #include <span>
 
@@ -26,9 +28,18 @@ public:
     void apply(std::span<glm::dvec3> coefficients) const;
     void apply(std::span<glm::vec3> coefficients) const;
 
+    [[nodiscard]] int bands() const { return bands_; }
+
 private:
     int bands_;
     std::array<std::array<double, 49>, 7> matrix_{}; // [m][l - m][l' - m], stride 7
 };
+
+// A fit with a filter in its rows, so that filtering costs nothing at run time: filters are linear and commute with the
+// azimuth. The result has exactly the filter's bands (at most the fit's), all of which are to be evaluated: fewer bands
+// want a filter of their own.
+[[nodiscard]] SkyFit filtered_fit(const SkyFit& fit, const HorizonFilter& filter);
+// The same with eq. 5.
+[[nodiscard]] SkyFit filtered_fit_zonal_sinc(const SkyFit& fit, int bands);
 
 } // namespace alpenglow::sky

@@ -12,8 +12,8 @@ namespace alpenglow::sky {
 struct NightSky {
     glm::vec3 to_moon{0.0F, 0.0F, -1.0F};
     float extinction = 0.4F; // of the vertical column, V: 0.4 ln(10) times the astronomer's k
-    // What eq. 15 and 20 of the paper multiply for molecules and aerosol, cd/m^2 with the moon's light through its own
-    // path and its colour (redder than sunlight, bluer by the scattering) in it; 0: no moon.
+    // What the two parts of the scattering function (eq. 21 of the paper) are multiplied with in eq. 15, for molecules
+    // and aerosol, cd/m^2: the moon's light through its own path and its colour are in it. 0: no moon.
     glm::vec3 molecules{0.0F};
     glm::vec3 aerosol{0.0F};
     glm::vec3 floor_cd_m2{0.0F}; // airglow and starlight at the zenith

@@ -27,6 +27,7 @@ struct PreethamSky {
     std::array<PerezCoefficients<Real>, 3> perez; // of Y, x, y
     glm::vec<3, Real> zenith_Yxy;                 // cd/m^2, chromaticity
     glm::vec<3, Real> normalisation;              // F(0, theta_sun) of Y, x, y
+    glm::vec<3, Real> scale;                      // zenith_Yxy / normalisation
 };
 
 // Turbidity is clamped to 1.7 .. 10 (NaN counts as 1.7). A sun below the horizon is moved up to the horizon in its own
