@@ -152,14 +152,21 @@ void EvaluateCluster(const TransferTable& table, const float* HWY_RESTRICT mean,
     V b[groups];
     for (std::size_t block = first; block < last; ++block) {
         const std::uint32_t* points = table.slot_points.data() + block * block_points;
+        const bool full = points[block_points - 1] != TransferTable::no_point;
+        // Points of a cluster stand in their own order: a block without gaps needs no scattering.
+        const bool dense = full && points[block_points - 1] - points[0] == block_points - 1;
+        float* to = dense ? out + 3 * std::size_t{points[0]} : rgb;
         for (std::size_t lane = 0; lane < block_points; lane += step) {
             sums<false>(weights + block * components * block_points + lane, components, components, lit, r, g, b);
             for (std::size_t t = 0; t < groups; ++t) {
                 hn::StoreInterleaved3(hn::Add(r[t], hn::Set(d, mean[0])), hn::Add(g[t], hn::Set(d, mean[1])),
-                                      hn::Add(b[t], hn::Set(d, mean[2])), d, rgb + 3 * (lane + t * lanes));
+                                      hn::Add(b[t], hn::Set(d, mean[2])), d, to + 3 * (lane + t * lanes));
             }
         }
-        if (points[block_points - 1] != TransferTable::no_point) {
+        if (dense) {
+            continue;
+        }
+        if (full) {
             for (std::size_t k = 0; k < block_points; ++k) {
                 std::memcpy(out + 3 * std::size_t{points[k]}, rgb + 3 * k, 3 * sizeof(float));
             }

@@ -787,7 +787,7 @@ Result<Bake> bake_points(const Mesh& mesh, const BakePoints& where, const BakeSe
 
 std::string BakeReport::text() const {
     std::array<char, 1024> buffer{};
-    std::array<char, 64> furnace{"not measured: nothing bounces"};
+    std::array<char, 64> furnace{"not measured"};
     if (is_number(furnace_mean)) {
         std::snprintf(furnace.data(), furnace.size(), "mean %.4f, worst %.4f", furnace_mean, furnace_worst);
     } else if (!hits_kept) {

@@ -262,7 +262,7 @@ Result<TransferTable> encode_cpca_within(const TransferField& field, double max_
     CpcaSettings settings;
     settings.threads = threads;
     // Means and bases should stay a small part of the whole.
-    settings.clusters = std::clamp<std::size_t>(field.count / 400, 1, 256);
+    settings.clusters = std::clamp<std::size_t>(field.count / 250, 1, 256);
     std::size_t low = 1;
     std::size_t high = most;
     settings.components = most;

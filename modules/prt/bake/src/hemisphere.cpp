@@ -401,10 +401,15 @@ HemisphereResult Hemisphere::trace_contours(const Scene& scene, const glm::vec3&
         scratch.coarser.swap(scratch.node);
         scratch.node.assign((level.rings + 1) * sectors, 0);
         if (depth > 0) {
+            // The coarser grid's nodes, and where not all others are shot below, those between take after them.
             const Level& last = levels_[depth - 1];
-            for (std::size_t i = 0; i <= level.rings; ++i) {
-                for (std::size_t j = 0; j < sectors; ++j) {
-                    scratch.node[i * sectors + j] = scratch.coarser[i / 2 * last.sectors + j / 2];
+            const std::size_t fill = depth <= detect_ ? 1 : 2;
+            for (std::size_t i = 0; i <= level.rings; i += 3 - fill) {
+                const std::uint8_t* from = scratch.coarser.data() + i / 2 * last.sectors;
+                std::uint8_t* to = scratch.node.data() + i * sectors;
+                for (std::size_t j = 0; j < last.sectors; ++j) {
+                    to[2 * j] = from[j];
+                    to[2 * j + 1] = from[j];
                 }
             }
         }
@@ -459,7 +464,12 @@ HemisphereResult Hemisphere::trace_contours(const Scene& scene, const glm::vec3&
             const double d = static_cast<double>(result.transfer.values[i]) - static_cast<double>(before.values[i]);
             change += d * d;
         }
-        result.variance = 0.16 * change;
+        // What both grids missed they do not tell: points whose contours a grid of so many cells cuts are off by about
+        // this much more, in the benchmark's scenes.
+        const double cells = static_cast<double>(level.rings * sectors);
+        const double missed = 0.01 * result.visibility * (1.0 - result.visibility) *
+                              static_cast<double>(coefficients_) / (4.0 * pi) * std::pow(cells, -1.5);
+        result.variance = 0.16 * change + missed;
         if (result.variance <= budget) {
             break;
         }
