@@ -40,6 +40,8 @@ Result<Scene> chosen_scene(const Options& options) {
     scene->utc_j2000_s = options.utc_j2000_s.value_or(scene->utc_j2000_s);
     scene->latitude_deg = options.latitude_deg.value_or(scene->latitude_deg);
     scene->longitude_deg = options.longitude_deg.value_or(scene->longitude_deg);
+    scene->chart.show = options.chart.value_or(scene->chart.show);
+    scene->chart.bands = options.chart_bands.value_or(scene->chart.bands);
     if (options.quality) {
         scene->quality = *options.quality;
     }

@@ -224,7 +224,7 @@ void CloudScene::shade(Stage& stage) {
     sky.sun_illuminance_lux *= through;
     sky.moon_illuminance_lux *= through;
     const SceneLight lit =
-        scene_light(registry_.get<CelestialState>(stage.sky), sky, below, registry_.get<Atmosphere>(stage.sky));
+        scene_light(registry_.get<CelestialState>(stage.sky), sky, registry_.try_get<SkyTables>(stage.sky), below, 0.0F);
     stage.light.irradiance_matrix = lit.irradiance_matrix;
     stage.light.average_luminance_cd_m2 = lit.average_luminance_cd_m2;
     // Air below a closed deck gets what the deck lets through; below a broken one, light enters through the gaps.

@@ -53,7 +53,7 @@ void EnvironmentPart::take_light() {
                              static_cast<float>(azimuths);
     }
     average_luminance_ = luminance(light.coefficients[0]) * 0.28209479F; // over the whole sphere
-    place_sky_vertices(glm::vec3(0.0F, 1.0F, 0.0F), dome_);
+    place_sky_vertices(glm::vec3(0.0F, 1.0F, 0.0F), 0.0F, dome_);
     for (SkyVertex& vertex : dome_) {
         vertex.radiance_cd_m2 = probes::environment_radiance(map, vertex.direction);
     }
@@ -82,6 +82,7 @@ void EnvironmentPart::update(Stage& stage) {
     FrameData& drawn = stage.drawn;
     drawn.sun_illuminance_lux = glm::vec3(0.0F); // the picture shows its own
     drawn.moon_illuminance_lux = glm::vec3(0.0F);
+    drawn.sun_seen_lux = drawn.moon_seen_lux = glm::vec3(0.0F);
     drawn.sky_vertices = dome_;
     drawn.sky_revision = dome_revision_;
     drawn.environment = &drawn_;

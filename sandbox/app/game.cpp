@@ -1,9 +1,13 @@
 #include "sandbox/app/game.hpp"
 
+#include <algorithm>
+#include <array>
+
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/core/timing.hpp>
 #include <alpenglow/ephemeris/time.hpp>
 #include <alpenglow/sky/aerial_perspective.hpp>
+#include <alpenglow/sky/scattering.hpp>
 #include <alpenglow/sky/sky_state.hpp>
 #include <alpenglow/systems/ephemeris.hpp>
 #include <alpenglow/systems/sky.hpp>
@@ -32,6 +36,8 @@ Game::Game(const Scene& scene, std::unique_ptr<World> world)
     registry_.emplace<Atmosphere>(sky_);
     // Terrain and objects are lit by three bands of the sky.
     registry_.emplace<SkyLightReceiver>(registry_.create(), SkyLightReceiver{.bands = 3});
+    // The dome is drawn from the sky view.
+    registry_.emplace<SkyTableReader>(registry_.create());
     enter(scene);
 }
 
@@ -49,6 +55,9 @@ void Game::update(double dt_s, int width, int height) {
     frame_.view = camera.view();
     frame_.projection = camera.projection(static_cast<float>(width) / static_cast<float>(height));
     frame_.camera_m = camera.position_m;
+
+    // The observer stands where the camera does: sky and sunlight are those of its height.
+    observer().height_m = std::clamp(place_height_m_ + static_cast<double>(camera.position_m.z), -500.0, 80e3);
 
     reports_.push_back(update_ephemeris(registry_, stage_.frame));
     reports_.push_back(update_sky(registry_, stage_.frame));
@@ -76,8 +85,8 @@ void Game::enter(const Scene& scene) {
     observer() = {.latitude_rad = scene.latitude_deg * degree_rad,
                   .longitude_rad = scene.longitude_deg * degree_rad,
                   .height_m = scene.height_m};
-    atmosphere() = {
-        .turbidity = scene.turbidity, .ozone_atm_cm = scene.ozone_atm_cm, .ground_albedo = scene.ground_albedo};
+    place_height_m_ = scene.height_m - static_cast<double>(scene.camera_position_m.z);
+    atmosphere() = scene.atmosphere;
     camera = scene_camera(scene);
     exposure_bias_ev = scene.exposure_bias_ev;
     exposed_ = false;
@@ -87,7 +96,7 @@ void Game::enter(const Scene& scene) {
     frame_.environment = nullptr;
     frame_.probes = nullptr;
     frame_.transfer = nullptr;
-    sky_light_revision_ = 0; // the dome may have been a picture's, the light that below clouds
+    dome_key_.reset(); // the dome may have been a picture's, the light that below clouds
     parts_ = make_parts(stage_, scene);
 }
 
@@ -96,23 +105,59 @@ SystemReport Game::update_dome() {
     SystemReport report{.system = "sky_dome", .considered = 1};
     const double start = thread_cpu_seconds();
     const SkyLightSh& sh = registry_.get<SkyLightSh>(sky_);
-    if (sh.revision == sky_light_revision_) {
+    const SkyTables* tables = registry_.try_get<SkyTables>(sky_);
+    const std::uint32_t view_revision = tables != nullptr ? tables->view_revision : 0;
+    const float over_ground_m = camera.position_m.z - world_->terrain.height_m(glm::vec2(camera.position_m));
+    // Steps that nobody sees.
+    const auto height_step = static_cast<int>(std::max(over_ground_m, 0.0F) / 50.0F);
+    const DomeKey key{sky().revision, sh.bands, view_revision, height_step};
+    if (dome_key_ == key) {
         report.skipped = 1;
         report.cpu_ms = (thread_cpu_seconds() - start) * 1e3;
         return report;
     }
-    sky_light_revision_ = sh.revision;
+    dome_key_ = key;
     ++stage_.light_revision;
-    stage_.light = scene_light(celestial(), sky(), sh, atmosphere());
-    place_sky_vertices(stage_.light.to_sun, dome_);
-    const sky::PreethamSky<float> model = sky::preetham_of(sky());
-    for (SkyVertex& vertex : dome_) {
-        vertex.radiance_cd_m2 = sky::sky_radiance(sky(), model, vertex.direction);
+    stage_.light = scene_light(celestial(), sky(), tables, sh, over_ground_m);
+    const bool moonlit = stage_.light.moon_makes_sky;
+    constexpr float off_horizon_rad = 3e-4F; // sky, not ground
+    const float lowest = stage_.light.horizon_rad < 0.0F ? stage_.light.horizon_rad + off_horizon_rad : 0.0F;
+    place_sky_vertices(moonlit ? stage_.light.to_moon : stage_.light.to_sun, std::min(lowest, 0.0F), dome_);
+    std::array<glm::vec3, SkyDome::azimuths> directions{};
+    std::array<glm::vec3, SkyDome::azimuths> radiance{};
+    for (std::size_t ring = 0; ring < dome_.size(); ring += directions.size()) {
+        for (std::size_t i = 0; i < directions.size(); ++i) {
+            directions[i] = dome_[ring + i].direction;
+        }
+        sky::sky_radiance(sky(), tables, directions, radiance);
+        for (std::size_t i = 0; i < directions.size(); ++i) {
+            dome_[ring + i].radiance_cd_m2 = radiance[i];
+        }
     }
     dome_revision_ = next_revision();
     report.updated = 1;
     report.cpu_ms = (thread_cpu_seconds() - start) * 1e3;
     return report;
+}
+
+// The air in front of things: that of the sky's model.
+void Game::set_air() {
+    const Atmosphere& made = sky().air;
+    if (made.model == SkyModel::scattering) {
+        if (const auto shell =
+                sky::make_scattering_atmosphere(made.turbidity, made.ozone_atm_cm, glm::dvec3(made.ground_albedo))) {
+            frame_.rayleigh_per_m = glm::vec3(1e-3 * shell->rayleigh_per_km);
+            frame_.mie_per_m = glm::vec3(1e-3 * (shell->mie_scattering_per_km + shell->mie_absorption_per_km));
+            frame_.rayleigh_height_m = static_cast<float>(1e3 * shell->rayleigh_height_km);
+            frame_.mie_height_m = static_cast<float>(1e3 * shell->mie_height_km);
+            return;
+        }
+    }
+    const sky::Air air = sky::make_air(made.turbidity);
+    frame_.rayleigh_per_m = air.rayleigh_per_m;
+    frame_.mie_per_m = air.mie_per_m;
+    frame_.rayleigh_height_m = air.rayleigh_height_m;
+    frame_.mie_height_m = air.mie_height_m;
 }
 
 SystemReport Game::update_terrain(int height) {
@@ -125,7 +170,7 @@ SystemReport Game::update_terrain(int height) {
 
 SystemReport Game::update_shadows() {
     // Whichever gives more light throws the shadows.
-    const bool by_sun = sky().sun_illuminance_lux.g >= sky().moon_illuminance_lux.g;
+    const bool by_sun = stage_.light.sun_lux.g >= stage_.light.moon_lux.g;
     ShadowInput input;
     input.to_light = by_sun ? stage_.light.to_sun : stage_.light.to_moon;
     input.angular_radius_rad = by_sun ? celestial().sun_angular_radius_rad : celestial().moon_angular_radius_rad;
@@ -140,18 +185,20 @@ void Game::update_frame(double dt_s) {
     exposed_ = true;
 
     frame_.to_sun = stage_.light.to_sun;
-    frame_.sun_illuminance_lux = sky().sun_illuminance_lux;
-    frame_.sun_angular_radius_rad = celestial().sun_angular_radius_rad;
+    frame_.sun_illuminance_lux = stage_.light.sun_lux;
+    frame_.sun_seen_lux = stage_.light.sun.lux;
+    frame_.sun_angular_radius_rad = stage_.light.sun.angular_radius_rad;
+    frame_.sun_flattening = stage_.light.sun.flattening;
     frame_.to_moon = stage_.light.to_moon;
-    frame_.moon_illuminance_lux = sky().moon_illuminance_lux;
-    frame_.moon_angular_radius_rad = celestial().moon_angular_radius_rad;
+    frame_.moon_illuminance_lux = stage_.light.moon_lux;
+    frame_.moon_seen_lux = stage_.light.moon.lux;
+    frame_.moon_angular_radius_rad = stage_.light.moon.angular_radius_rad;
+    frame_.moon_flattening = stage_.light.moon.flattening;
+    frame_.horizon_rad = stage_.light.horizon_rad;
+    frame_.moon_makes_sky = stage_.light.moon_makes_sky;
     frame_.irradiance_matrix = stage_.light.irradiance_matrix;
     frame_.air_radiance_cd_m2 = stage_.light.horizon_radiance_cd_m2;
-    const sky::Air air = sky::make_air(atmosphere().turbidity);
-    frame_.rayleigh_per_m = air.rayleigh_per_m;
-    frame_.mie_per_m = air.mie_per_m;
-    frame_.rayleigh_height_m = air.rayleigh_height_m;
-    frame_.mie_height_m = air.mie_height_m;
+    set_air();
 
     frame_.terrain_indices = world_->lod->indices();
     frame_.terrain_indices_revision = world_->lod->revision();

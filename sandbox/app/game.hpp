@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <tuple>
 #include <string>
 #include <utility>
 #include <vector>
@@ -70,6 +72,7 @@ public:
 
 private:
     SystemReport update_dome();
+    void set_air();
     SystemReport update_terrain(int height);
     SystemReport update_shadows();
     void update_frame(double dt_s);
@@ -77,7 +80,10 @@ private:
     std::unique_ptr<World> world_;
     BasicRegistry registry_;
     BasicRegistry::entity_type sky_;
-    std::uint32_t sky_light_revision_ = 0; // of SkyLightSh
+    // What light and dome were made from: SkyState, bands, SkyTables, the camera's height over the ground.
+    using DomeKey = std::tuple<std::uint32_t, int, std::uint32_t, int>;
+    std::optional<DomeKey> dome_key_;
+    double place_height_m_ = 0.0; // of the landscape's zero over the ellipsoid
     std::vector<SkyVertex> dome_;
     std::uint32_t dome_revision_ = 0;
     FrameData frame_;

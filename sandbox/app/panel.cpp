@@ -46,6 +46,33 @@ void draw_time(Game& game, double shown_utc_j2000_s) {
     }
 }
 
+// The sky's model and the parameters that it reads.
+void draw_air(Atmosphere& air) {
+    const auto chosen = static_cast<std::size_t>(air.model);
+    if (ImGui::BeginCombo("sky", sky_model_names[chosen].data())) {
+        for (std::size_t i = 0; i < sky_model_names.size(); ++i) {
+            if (ImGui::Selectable(sky_model_names[i].data(), i == chosen)) {
+                air.model = static_cast<SkyModel>(i);
+            }
+        }
+        ImGui::EndCombo();
+    }
+    ImGui::SliderFloat("turbidity", &air.turbidity, 1.7F, 10.0F, "%.2f");
+    if (air.model == SkyModel::perez || air.model == SkyModel::asrc_cie) {
+        ImGui::SliderFloat("clearness", &air.clearness, 1.0F, 12.0F, "%.2f");
+    }
+    if (air.model == SkyModel::perez) {
+        ImGui::SliderFloat("brightness", &air.brightness, 0.01F, 0.6F, "%.3f");
+    }
+    if (air.model == SkyModel::cie_general) {
+        ImGui::SliderInt("CIE type", &air.cie_type, 1, 15);
+    }
+    if (air.model == SkyModel::scattering) {
+        ImGui::SliderFloat("ozone", &air.ozone_atm_cm, 0.0F, 1.0F, "%.2f atm cm");
+        ImGui::ColorEdit3("ground", &air.ground_albedo.r, ImGuiColorEditFlags_Float | ImGuiColorEditFlags_NoInputs);
+    }
+}
+
 void draw_place_and_air(Game& game) {
     Observer& observer = game.observer();
     float place[2] = {static_cast<float>(observer.latitude_rad / degree),
@@ -54,7 +81,7 @@ void draw_place_and_air(Game& game) {
         observer.latitude_rad = std::clamp(static_cast<double>(place[0]), -90.0, 90.0) * degree;
         observer.longitude_rad = std::clamp(static_cast<double>(place[1]), -180.0, 180.0) * degree;
     }
-    ImGui::SliderFloat("turbidity", &game.atmosphere().turbidity, 1.7F, 10.0F, "%.2f");
+    draw_air(game.atmosphere());
     ImGui::SliderFloat("exposure", &game.exposure_bias_ev, -6.0F, 6.0F, "%+.1f EV");
 }
 
@@ -131,6 +158,7 @@ void draw_help() {
                                ", .            slower, faster time\n"
                                "Space          stop and start time\n"
                                "[ ]            an hour back, on\n"
+                               "V              charts: sky and its SH, day\n"
                                "PgUp PgDn      next, previous scene\n"
                                "H              hide the panel\n"
                                "F1             this help\n"

@@ -10,6 +10,7 @@
 #include "sandbox/app/environment_part.hpp"
 #include "sandbox/app/probe_scene.hpp"
 #include "sandbox/app/transfer_scene.hpp"
+#include "sandbox/app/sky_charts.hpp"
 
 namespace alpenglow::sandbox {
 
@@ -37,6 +38,7 @@ std::vector<std::unique_ptr<Part>> make_parts(Stage& stage, const Scene& scene) 
     if (scene.transfer) {
         parts.push_back(std::make_unique<TransferScene>(stage, *scene.transfer));
     }
+    parts.push_back(std::make_unique<SkyCharts>(stage.registry, scene.chart));
     return parts;
 }
 

@@ -1,5 +1,6 @@
 #include "options.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -21,7 +22,7 @@ constexpr int max_threads = 256;
 
 // Everything is read as text first, so that our messages say what would be right.
 struct Texts {
-    std::string frames, size, time, latitude, longitude, quality, threads;
+    std::string frames, size, time, latitude, longitude, quality, chart, threads;
 };
 
 void declare(CLI::App& app, Options& options, Texts& texts) {
@@ -36,6 +37,8 @@ void declare(CLI::App& app, Options& options, Texts& texts) {
     app.add_option("--out", options.out, "Write the last frame as a PNG")->type_name("FILE.png");
     app.add_option("--report", options.report, "Write what each frame did and cost as JSON")->type_name("FILE.json");
     app.add_option("--quality", texts.quality, "lean or full (chosen by device)")->type_name("LEVEL");
+    app.add_option("--chart", texts.chart, "Over the picture: sky (its SH beside it; sky:1 .. sky:7 bands), day, none")
+        ->type_name("CHART");
     app.add_option("--device", options.device, "Vulkan device whose name contains this")->type_name("NAME");
     app.add_option("--threads", texts.threads, "Threads for parallel loops (0: all)")->type_name("N");
     app.add_flag("--hud", options.hud, "Draw the HUD in headless runs too");
@@ -123,6 +126,21 @@ Status interpret(const CLI::App& app, const Texts& texts, Options& options) {
             return bad("--quality", texts.quality, "lean or full");
         }
         options.quality = texts.quality == "lean" ? Quality::lean : Quality::full;
+    }
+    if (given("--chart")) {
+        const std::string name = texts.chart.substr(0, texts.chart.find(':'));
+        const auto known = std::find(chart_names.begin(), chart_names.end(), name);
+        int bands = 0;
+        const bool counted = name != texts.chart;
+        if (known == chart_names.end() ||
+            (counted &&
+             (name != "sky" || !read_number(texts.chart.substr(name.size() + 1), bands) || bands < 1 || bands > 7))) {
+            return bad("--chart", texts.chart, "sky, sky:1 to sky:7, day or none");
+        }
+        options.chart = static_cast<Chart>(known - chart_names.begin());
+        if (counted) {
+            options.chart_bands = bands;
+        }
     }
     if (given("--threads")) {
         int threads = 0;

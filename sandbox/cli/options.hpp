@@ -21,6 +21,8 @@ struct Options {
     std::optional<double> latitude_deg;
     std::optional<double> longitude_deg;
     std::optional<Quality> quality;
+    std::optional<Chart> chart;
+    std::optional<int> chart_bands;
     std::string out;          // PNG of the last frame; empty: none
     std::string report;       // JSON of all frames; empty: none
     std::string device;       // part of the Vulkan device's name; empty: the one with the best type

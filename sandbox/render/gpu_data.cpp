@@ -61,15 +61,14 @@ SkyExtract extract_sky(const FrameData& frame) {
         extract.horizon.fill(frame.air_radiance_cd_m2);
         return extract;
     }
-    // The horizon ring's half on one side of the sun; a clear sky is the same on the other.
-    std::uint32_t i = SkyDome::azimuths / 2;
+    std::uint32_t i = 0;
     for (std::size_t entry = 0; entry < extract.horizon.size(); ++entry) {
-        const float wanted = 2.0F * std::asin(static_cast<float>(entry) / 16.0F);
-        while (i + 1 < SkyDome::azimuths && sky_azimuth_from_sun(i + 1) < wanted) {
+        const float wanted = 2.0F * std::asin(static_cast<float>(entry) / 16.0F - 1.0F);
+        while (i + 1 < SkyDome::azimuths && sky_azimuth_from_light(i + 1) < wanted) {
             ++i;
         }
-        const float from = sky_azimuth_from_sun(i);
-        const float part = std::clamp((wanted - from) / (sky_azimuth_from_sun(i + 1) - from), 0.0F, 1.0F);
+        const float from = sky_azimuth_from_light(i);
+        const float part = std::clamp((wanted - from) / (sky_azimuth_from_light(i + 1) - from), 0.0F, 1.0F);
         extract.horizon[entry] = (1.0F - part) * frame.sky_vertices[i].radiance_cd_m2 +
                                  part * frame.sky_vertices[(i + 1) % SkyDome::azimuths].radiance_cd_m2;
     }
@@ -132,13 +131,14 @@ glm::mat4 shadow_from_relative(const FrameData& frame, std::uint32_t size_px) {
 
 namespace {
 
-// Light scattered once, level, at the azimuth of a horizon entry: the sun's by molecules (Rayleigh) and aerosol
-// (Henyey-Greenstein, g = 0.76), and the sky's own from all around; scaled to the luminance of the horizon there.
+// Light scattered once, level, at the azimuth of a horizon entry: the sun's (or moon's) by molecules (Rayleigh) and
+// aerosol (Henyey-Greenstein, g = 0.76), and the sky's own from all around; scaled to the luminance of the horizon
+// there.
 glm::vec3 near_light(const FrameData& frame, const SkyExtract& sky, std::size_t entry) {
     const auto luminance = [](const glm::vec3& rgb) { return glm::dot(rgb, {0.2126F, 0.7152F, 0.0722F}); };
-    const float half = static_cast<float>(entry) / 16.0F;
-    const float cosine =
-        (1.0F - 2.0F * half * half) * std::sqrt(std::max(0.0F, 1.0F - frame.to_sun.z * frame.to_sun.z));
+    const glm::vec3 to_light = frame.moon_makes_sky ? frame.to_moon : frame.to_sun;
+    const float half = static_cast<float>(entry) / 16.0F - 1.0F;
+    const float cosine = (1.0F - 2.0F * half * half) * std::sqrt(std::max(0.0F, 1.0F - to_light.z * to_light.z));
     constexpr float g = 0.76F;
     const float rayleigh_phase = 3.0F / (16.0F * kPi) * (1.0F + cosine * cosine);
     const float spread = (1.0F - g) * (1.0F - g) + 2.0F * g * (1.0F - cosine);
@@ -146,7 +146,8 @@ glm::vec3 near_light(const FrameData& frame, const SkyExtract& sky, std::size_t 
     const glm::vec3 rayleigh = frame.rayleigh_per_m * std::exp(-frame.camera_m.z / frame.rayleigh_height_m);
     const glm::vec3 mie = frame.mie_per_m * std::exp(-frame.camera_m.z / frame.mie_height_m);
     const glm::vec3 phase = (rayleigh * rayleigh_phase + mie * mie_phase) / (rayleigh + mie);
-    const glm::vec3 light = frame.sun_illuminance_lux * phase + frame.air_radiance_cd_m2;
+    const glm::vec3 light = (frame.moon_makes_sky ? frame.moon_illuminance_lux : frame.sun_illuminance_lux) * phase +
+                            frame.air_radiance_cd_m2;
     const float level = luminance(light);
     return level > 0.0F ? light * (luminance(sky.horizon[entry]) / level) : sky.horizon[entry];
 }
@@ -167,13 +168,20 @@ gpu::FrameBlock make_frame_block(const FrameData& frame, const SkyExtract& sky, 
     block.moon = with(frame.moon_illuminance_lux * (exposure / kPi), 0.0F);
     block.key = moon_is_key(frame) ? with(frame.to_moon, 1.0F) : with(frame.to_sun, 0.0F);
     block.shadow_from_relative = shadow_from_relative(frame, kShadowMapSize);
-    const auto solid_angle = [](float radius) { return kPi * std::sin(radius) * std::sin(radius); };
-    block.sun_disc = with(frame.sun_illuminance_lux * (exposure / solid_angle(frame.sun_angular_radius_rad)), 0.0F);
+    const auto solid_angle = [](float radius, float flattening) {
+        return kPi * std::sin(radius) * std::sin(radius) * flattening;
+    };
+    block.sun_disc = with(frame.sun_seen_lux.value_or(frame.sun_illuminance_lux) *
+                              (exposure / solid_angle(frame.sun_angular_radius_rad, frame.sun_flattening)),
+                          0.0F);
     const float lit = moon_disc_mean_cosine(-glm::dot(frame.to_moon, frame.to_sun));
     if (lit > 1e-4F) { // thinner than any crescent that can be seen
         block.moon_disc =
-            with(frame.moon_illuminance_lux * (exposure / (solid_angle(frame.moon_angular_radius_rad) * lit)), 0.0F);
+            with(frame.moon_seen_lux.value_or(frame.moon_illuminance_lux) *
+                     (exposure / (solid_angle(frame.moon_angular_radius_rad, frame.moon_flattening) * lit)),
+                 0.0F);
     }
+    block.discs = {frame.sun_flattening, frame.moon_flattening, frame.horizon_rad, 0.0F};
     block.moon_sky = with(sky.at_moon * exposure, 0.0F);
     block.rayleigh = with(frame.rayleigh_per_m, 1.0F / frame.rayleigh_height_m);
     block.mie = with(frame.mie_per_m, 1.0F / frame.mie_height_m);
@@ -183,9 +191,18 @@ gpu::FrameBlock make_frame_block(const FrameData& frame, const SkyExtract& sky, 
                     elevation(frame.to_moon)};
     block.sun_sector = sector(sun_steps);
     block.moon_sector = sector(moon_steps);
-    block.haze.x =
-        disc_over_horizon(block.sector.z - horizon_elevation(frame.camera_horizon, block.sun_sector, block.sector.x),
-                          frame.sun_angular_radius_rad);
+    const bool moonlit = frame.moon_makes_sky;
+    const glm::vec3 to_light = moonlit ? frame.to_moon : frame.to_sun;
+    const float level = std::hypot(to_light.x, to_light.y);
+    const glm::vec2 azimuth = level > 0.0F ? glm::vec2(to_light) / level : glm::vec2(0.0F, 1.0F);
+    const float visible =
+        moonlit ? disc_over_horizon(block.sector.w -
+                                        horizon_elevation(frame.camera_horizon, block.moon_sector, block.sector.y),
+                                    frame.moon_angular_radius_rad)
+                : disc_over_horizon(block.sector.z -
+                                        horizon_elevation(frame.camera_horizon, block.sun_sector, block.sector.x),
+                                    frame.sun_angular_radius_rad);
+    block.haze = {visible, azimuth.x, azimuth.y, moonlit ? 1.0F : 0.0F};
     if (frame.clouds != nullptr && frame.clouds->shadow.size == cloud_shadow_size) {
         const CloudShadowMap& map = frame.clouds->shadow;
         block.cloud_map = {1.0F / map.extent_m, map.plane_m, map.base_m, map.top_m};

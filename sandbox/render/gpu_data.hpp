@@ -27,7 +27,7 @@ struct Instance {
 
 // What the air and the moon take from the sky dome, in cd/m^2.
 struct SkyExtract {
-    std::array<glm::vec3, 17> horizon{}; // entry i at sin(azimuth from the sun / 2) = i / 16
+    std::array<glm::vec3, 33> horizon{}; // entry i at sin(azimuth from the sky's light / 2) = i / 16 - 1
     glm::vec3 at_moon{0.0F};
 };
 // With no sky vertices, air_radiance_cd_m2 everywhere.

@@ -13,7 +13,6 @@
 #include "sandbox/render/detail_image.hpp"
 #include "sandbox/render/frustum.hpp"
 #include "sandbox/render/layers.hpp"
-#include "sandbox/render/sky_vertices.hpp"
 #include "sandbox/render/upload.hpp"
 
 namespace alpenglow::sandbox {
@@ -274,8 +273,7 @@ Status Renderer::update_buffers(const FrameData& frame, std::uint32_t slot, Draw
         sky_extract_ = extract_sky(frame);
         if (!frame.sky_vertices.empty()) {
             assert(frame.sky_vertices.size() == SkyDome::vertices);
-            replace(sky_vertices_, sky_vertex_bytes(frame.sky_vertices),
-                    [&](std::span<std::byte> bytes) { write_sky_vertices(frame.sky_vertices, bytes); });
+            copy(sky_vertices_, frame.sky_vertices);
         }
     }
     if (!frame.sky_vertices.empty()) {
@@ -392,10 +390,10 @@ void Renderer::record_scene(VkCommandBuffer commands, const FrameData& frame, Dr
         ++stats.draws;
         stats.triangles += 2;
     };
-    if (is_lit(frame.moon_illuminance_lux)) {
+    if (is_lit(frame.moon_seen_lux.value_or(frame.moon_illuminance_lux))) {
         draw_disc(Passes::moon, 1);
     }
-    if (is_lit(frame.sun_illuminance_lux)) {
+    if (is_lit(frame.sun_seen_lux.value_or(frame.sun_illuminance_lux))) {
         draw_disc(Passes::sun, 0);
     }
     for (Layer* layer : drawn_layers_) {

@@ -12,7 +12,6 @@
 #include <alpenglow/vulkan/transfer.hpp>
 
 #include "sandbox/render/layers.hpp"
-#include "sandbox/render/sky_vertices.hpp"
 #include "sandbox/render/upload.hpp"
 
 namespace alpenglow::sandbox {
@@ -115,10 +114,7 @@ Status SceneCapture::upload(const FrameData& view, DrawStats& stats) {
         sky_revision_ = view.sky_revision;
         sky_extract_ = extract_sky(view);
         if (!view.sky_vertices.empty()) {
-            status =
-                sky_vertices_.replace(device_, sky_vertex_bytes(view.sky_vertices), [&](std::span<std::byte> bytes) {
-                    write_sky_vertices(view.sky_vertices, bytes);
-                });
+            status = sky_vertices_.replace(device_, view.sky_vertices);
         }
     }
     if (status && terrain_revision_ != view.terrain_indices_revision) {
@@ -193,6 +189,7 @@ void SceneCapture::record(VkCommandBuffer commands, const FrameData& view, DrawS
 Status SceneCapture::render(const FrameData& frame, const glm::vec3& point_m, int face, std::span<glm::vec3> texels) {
     assert(face >= 0 && face < 6 && texels.size() == std::size_t{capture_edge} * capture_edge);
     FrameData view = frame;
+    view.overlay = nullptr; // lies over the player's picture alone
     view.view = view_of(kFaces[static_cast<std::size_t>(face)], point_m);
     view.projection = face_projection();
     view.camera_m = point_m;

@@ -13,17 +13,20 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-// Elevations of the rings: equal shares of a density that peaks at the horizon and at the sun.
-std::array<float, SkyDome::rings> ring_elevations(float sun_elevation) {
-    constexpr int kSteps = 512;
+// Elevations of the rings above: equal shares of a density that peaks at the horizon and at the light.
+std::array<float, SkyDome::rings> ring_elevations(float light_elevation, float horizon) {
+    constexpr int kSteps = 1024;
+    const float range = kPi / 2.0F - horizon;
     std::array<float, kSteps + 1> share{};
     for (int i = 0; i < kSteps; ++i) {
-        const float elevation = (static_cast<float>(i) + 0.5F) / kSteps * kPi / 2.0F;
-        const float off_sun = (elevation - sun_elevation) / 0.12F;
-        const float density = 1.0F + 5.0F * std::exp(-elevation / 0.12F) + 3.0F * std::exp(-off_sun * off_sun);
+        const float over = (static_cast<float>(i) + 0.5F) / kSteps * range;
+        const float off_light = (horizon + over - light_elevation) / 0.12F;
+        const float density = 1.0F + 5.0F * std::exp(-over / 0.12F) + 8.0F * std::exp(-over / 0.02F) +
+                              3.0F * std::exp(-off_light * off_light);
         share[static_cast<std::size_t>(i) + 1] = share[static_cast<std::size_t>(i)] + density;
     }
     std::array<float, SkyDome::rings> elevations{};
+    elevations[0] = horizon;
     int step = 0;
     for (std::uint32_t ring = 1; ring + 1 < SkyDome::rings; ++ring) {
         const float wanted = share[kSteps] * static_cast<float>(ring) / static_cast<float>(SkyDome::rings - 1);
@@ -32,29 +35,40 @@ std::array<float, SkyDome::rings> ring_elevations(float sun_elevation) {
         }
         const float below = share[static_cast<std::size_t>(step)];
         const float part = (wanted - below) / (share[static_cast<std::size_t>(step) + 1] - below);
-        elevations[ring] = (static_cast<float>(step) + part) / kSteps * kPi / 2.0F;
+        elevations[ring] = horizon + (static_cast<float>(step) + part) / kSteps * range;
     }
     elevations[SkyDome::rings - 1] = kPi / 2.0F;
     return elevations;
 }
 
+// Of the rings below, from the horizon down: from the sky to the ground at once, then through the haze over it.
+constexpr std::array<float, SkyDome::rings_below - 1> kBelow{0.003F, 0.02F, 0.07F, 0.22F, 0.6F};
+
 } // namespace
 
-float sky_azimuth_from_sun(std::uint32_t i) {
-    // A cubic: 0.4 of the mean spacing at the sun, 2.2 of it opposite.
+float sky_azimuth_from_light(std::uint32_t i) {
+    // A cubic: 0.4 of the mean spacing at the light, 2.2 of it opposite.
     const float u = 2.0F * static_cast<float>(i) / static_cast<float>(SkyDome::azimuths) - 1.0F;
     return kPi * u * (0.4F + 0.6F * u * u);
 }
 
-void place_sky_vertices(glm::vec3 to_sun, std::span<SkyVertex> vertices) {
-    assert(vertices.size() == SkyDome::vertices);
-    const std::array<float, SkyDome::rings> elevations =
-        ring_elevations(std::atan2(to_sun.z, std::hypot(to_sun.x, to_sun.y)));
-    const float sun_azimuth = std::atan2(to_sun.x, to_sun.y); // atan2(0, 0) is 0: any azimuth serves at the zenith
+void place_sky_vertices(glm::vec3 to_light, float horizon_rad, std::span<SkyVertex> vertices) {
+    assert(vertices.size() == SkyDome::vertices && horizon_rad <= 0.0F && horizon_rad >= -0.5F);
+    const std::array<float, SkyDome::rings> above =
+        ring_elevations(std::atan2(to_light.z, std::hypot(to_light.x, to_light.y)), horizon_rad);
+    std::array<float, SkyDome::rings + SkyDome::rings_below> elevations{};
+    std::copy(above.begin(), above.end(), elevations.begin());
+    for (std::size_t ring = 0; ring < kBelow.size(); ++ring) {
+        elevations[SkyDome::rings + ring] = horizon_rad - kBelow[ring];
+    }
+    elevations.back() = -kPi / 2.0F;
+    const float light_azimuth =
+        std::atan2(to_light.x, to_light.y); // atan2(0, 0) is 0: any azimuth serves at the zenith
     for (std::uint32_t i = 0; i < SkyDome::azimuths; ++i) {
-        const float azimuth = sun_azimuth + sky_azimuth_from_sun(i);
-        for (std::uint32_t ring = 0; ring < SkyDome::rings; ++ring) {
-            const float level = ring + 1 == SkyDome::rings ? 0.0F : std::cos(elevations[ring]);
+        const float azimuth = light_azimuth + sky_azimuth_from_light(i);
+        for (std::uint32_t ring = 0; ring < elevations.size(); ++ring) {
+            const bool pole = ring + 1 == SkyDome::rings || ring + 1 == elevations.size();
+            const float level = pole ? 0.0F : std::cos(elevations[ring]);
             vertices[ring * SkyDome::azimuths + i].direction = {level * std::sin(azimuth), level * std::cos(azimuth),
                                                                 std::sin(elevations[ring])};
         }
@@ -64,8 +78,8 @@ void place_sky_vertices(glm::vec3 to_sun, std::span<SkyVertex> vertices) {
 namespace {
 
 constexpr std::uint32_t n = SkyDome::azimuths;
-constexpr std::uint32_t zenith = SkyDome::vertices - n; // first vertices of the rings that are one point
-constexpr std::uint32_t nadir = SkyDome::vertices + n;
+constexpr std::uint32_t zenith = SkyDome::vertices_above - n; // first vertices of the rings that are one point
+constexpr std::uint32_t nadir = SkyDome::vertices - n;
 constexpr std::uint32_t patch_azimuths = 8; // cells of a patch
 constexpr std::uint32_t patch_rings = 8;
 static_assert(n % patch_azimuths == 0 && (SkyDome::rings - 1) % patch_rings == 0);
@@ -80,9 +94,11 @@ void for_each_cell(Cell cell, End end) {
                 cell(lower, upper, i);
             }
         };
-        strip(nadir, SkyDome::vertices);
-        strip(SkyDome::vertices, 0);
+        for (std::uint32_t ring = SkyDome::rings_below; ring > 1; --ring) {
+            strip(SkyDome::vertices_above + (ring - 1) * n, SkyDome::vertices_above + (ring - 2) * n);
+        }
         end();
+        strip(SkyDome::vertices_above, 0);
         for (std::uint32_t ring = 0; ring + 1 < SkyDome::rings; ++ring) {
             strip(ring * n, (ring + 1) * n);
             if ((ring + 1) % patch_rings == 0) {
@@ -128,17 +144,6 @@ std::vector<SkyPatch> sky_dome_patches() {
     return patches;
 }
 
-glm::vec3 sky_direction(std::span<const SkyVertex> vertices, std::uint32_t vertex) {
-    if (vertex < SkyDome::vertices) {
-        return vertices[vertex].direction;
-    }
-    if (vertex < nadir) {
-        const glm::vec3& horizon = vertices[vertex - SkyDome::vertices].direction;
-        return {horizon.x, horizon.y, -0.1F};
-    }
-    return {0.0F, 0.0F, -1.0F};
-}
-
 std::vector<IndexRun> visible_sky(std::span<const SkyPatch> patches, std::span<const SkyVertex> vertices,
                                   std::span<const glm::vec3, 4> side_planes) {
     std::vector<IndexRun> runs;
@@ -146,7 +151,7 @@ std::vector<IndexRun> visible_sky(std::span<const SkyPatch> patches, std::span<c
         // Out of sight if all corners lie outside of one plane: then so does all between them.
         const bool hidden = std::any_of(side_planes.begin(), side_planes.end(), [&](const glm::vec3& plane) {
             return std::all_of(patch.corners.begin(), patch.corners.end(), [&](std::uint32_t corner) {
-                return glm::dot(plane, sky_direction(vertices, corner)) < 0.0F;
+                return glm::dot(plane, vertices[corner].direction) < 0.0F;
             });
         });
         if (hidden) {

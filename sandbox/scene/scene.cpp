@@ -118,6 +118,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
     const Json* atmosphere = top.object("atmosphere");
     const Json* camera = top.object("camera");
     const Json* exposure = top.object("exposure");
+    const Json* chart = top.object("chart");
     const Json* clouds = top.object("clouds");
     const Json* flight = top.object("flight");
     const Json* environment = top.object("environment");
@@ -138,16 +139,14 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
     place.require("longitude_deg");
     place.number("latitude_deg", -90.0, 90.0, scene.latitude_deg);
     place.number("longitude_deg", -180.0, 180.0, scene.longitude_deg);
-    place.number("height_m", -500.0, 9000.0, scene.height_m);
+    place.number("height_m", -500.0, 80000.0, scene.height_m);
     place.no_others();
     if (place.failed()) {
         return place.error();
     }
     if (atmosphere != nullptr) {
         Reader air(*atmosphere, file, "atmosphere.");
-        air.number("turbidity", 1.7, 10.0, scene.turbidity);
-        air.number("ozone_atm_cm", 0.0, 1.0, scene.ozone_atm_cm);
-        air.numbers("ground_albedo", 0.0, 1.0, scene.ground_albedo);
+        scene.atmosphere = read_atmosphere_settings(air);
         air.no_others();
         if (air.failed()) {
             return air.error();
@@ -170,6 +169,14 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
         light.no_others();
         if (light.failed()) {
             return light.error();
+        }
+    }
+    if (chart != nullptr) {
+        Reader section(*chart, file, "chart.");
+        scene.chart = read_chart_settings(section);
+        section.no_others();
+        if (section.failed()) {
+            return section.error();
         }
     }
     if (clouds != nullptr) {

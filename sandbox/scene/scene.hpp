@@ -10,6 +10,8 @@
 
 #include <alpenglow/core/result.hpp>
 
+#include "sandbox/scene/atmosphere_settings.hpp"
+#include "sandbox/scene/chart_settings.hpp"
 #include "sandbox/scene/cloud_settings.hpp"
 #include "sandbox/scene/flight_settings.hpp"
 #include "sandbox/scene/environment_settings.hpp"
@@ -29,15 +31,14 @@ struct Scene {
     double latitude_deg = 47.27;
     double longitude_deg = 11.39;
     double height_m = 600.0;
-    float turbidity = 2.5F;
-    float ozone_atm_cm = 0.35F;
-    glm::vec3 ground_albedo{0.2F};
+    Atmosphere atmosphere;
     glm::vec3 camera_position_m{0.0F, 0.0F, 2000.0F}; // east, north of the landscape's middle; above sea level
     float camera_yaw_deg = 0.0F;                      // azimuth of the view, from north through east
     float camera_pitch_deg = 0.0F;
     float camera_fov_deg = 50.0F; // vertical
     float exposure_bias_ev = 0.0F;
     Quality quality = Quality::automatic;
+    ChartSettings chart;
     std::optional<CloudSettings> clouds;
     std::optional<FlightSettings> flight; // what the camera follows
     std::optional<EnvironmentSettings> environment; // a picture in place of sky, sun and moon

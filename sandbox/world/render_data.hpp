@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -94,6 +95,12 @@ struct FrameData {
     glm::vec3 to_moon{0.0F, 0.0F, -1.0F};
     glm::vec3 moon_illuminance_lux{0.0F};
     float moon_angular_radius_rad = 4.5e-3F;
+    // The discs as they are seen: the light that comes to the camera, where it differs from that on surfaces (which lie
+    // deeper in the air), as it would be without the horizon; height over width.
+    std::optional<glm::vec3> sun_seen_lux, moon_seen_lux;
+    float sun_flattening = 1.0F, moon_flattening = 1.0F;
+    float horizon_rad = 0.0F; // elevation at which sky ends and the discs set
+    bool moon_makes_sky = false; // the dome's vertices stand around the moon instead of the sun
     // Irradiance of sky (and ground bounce) as the quadratic form n^T M n, n = (x, y, z, 1), for R, G, B, in lux.
     std::array<glm::mat4, 3> irradiance_matrix{};
     // Aerial perspective: sea-level extinction of molecules and aerosol per metre (RGB) and scale heights. Distant air

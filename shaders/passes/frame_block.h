@@ -15,14 +15,17 @@ struct FrameBlock {
     vec4 moon_sky;            // rgb: radiance of the sky in front of the moon
     vec4 rayleigh;            // rgb: extinction at sea level, per metre; w: 1 / scale height
     vec4 mie;                 // likewise
-    vec4 haze;                // x: fraction of the sun's disc that the terrain leaves visible at the camera
+    vec4 haze;                // x: fraction of the disc of the light that makes the sky that the terrain leaves visible at
+                              // the camera; yz: that light's azimuth, a unit vector; w: 1 where it is the moon
+    vec4 discs;               // x, y: height over width of sun and moon; z: elevation of the horizon
     vec4 sector;              // weights of the second azimuth for sun and moon, elevations of sun and moon
     uvec4 sun_sector;         // where the horizon towards the sun stands: word and shift of the two nearest azimuths
     uvec4 moon_sector;        // likewise
-    vec4 near_light[17];      // rgb: colour of light that a thin layer of air scatters, at the brightness of horizon_light
+    vec4 near_light[33];      // rgb: colour of light that a thin layer of air scatters, at the brightness of horizon_light
+    vec4 horizon_light[33];   // rgb: radiance of the sky at the horizon, entry i at sin(azimuth / 2) = i / 16 - 1, the
+                              // azimuth that from the light of `haze`, clockwise
     vec4 cloud_map;           // the map of the clouds' shadow. x: 1 / its side, 0: none; y: its height; z, w: bottom and top
                               // of the clouds
     vec4 cloud_key;           // xy: way east and north a metre up towards the light; zw: the map's corner, in sides
     uvec4 cloud_shadow[784];  // 112 x 112 bytes: transmittance of the key light
-    vec4 horizon_light[17];   // rgb: radiance of the sky at the horizon, entry i at sin(azimuth from the sun / 2) = i / 16
 };

@@ -75,23 +75,27 @@ vec3 air_transmittance(vec3 relative_m) {
     return exp(-extinction * length(relative_m));
 }
 
-// Radiance of air without end, of which the fraction `sunlit` stands in the sun: the horizon's in that azimuth, so that
-// far mountains fade into the sky behind them; air in the shadow of mountains lacks what the sun's side of the sky has
-// more than the side opposite. Air that still lets `clear` through has scattered light once: its colour is that of the
+// Of the visible fractions of sun and moon that of the light that makes the sky.
+float sky_light_visibility(float sun, float moon) { return frame.haze.w > 0.5 ? moon : sun; }
+
+// Radiance of air without end, of which the fraction `sunlit` stands in the light that makes the sky: the horizon's in
+// that azimuth, so that far mountains fade into the sky behind them; air in the shadow of mountains lacks what the
+// light's side of the sky has more than the side opposite. Air that still lets `clear` through has scattered light once: its colour is that of the
 // light that enters it, redder at sunset than the horizon behind all air.
 vec3 horizon_light(vec3 relative_m, float sunlit, float clear) {
     vec2 along = relative_m.xy * inversesqrt(max(dot(relative_m.xy, relative_m.xy), 1e-6));
-    vec2 sun = frame.to_sun.xy * inversesqrt(max(dot(frame.to_sun.xy, frame.to_sun.xy), 1e-12));
-    float at = 16.0 * sqrt(clamp(0.5 - 0.5 * dot(along, sun), 0.0, 1.0));
-    int first = min(int(at), 15);
+    vec2 light = frame.haze.yz;
+    float half_sine = sqrt(clamp(0.5 - 0.5 * dot(along, light), 0.0, 1.0));
+    float at = 16.0 + 16.0 * (along.x * light.y < along.y * light.x ? -half_sine : half_sine);
+    int first = min(int(at), 31);
     float part = at - float(first);
     vec3 far = mix(frame.horizon_light[first].rgb, frame.horizon_light[first + 1].rgb, part);
     vec3 near = mix(frame.near_light[first].rgb, frame.near_light[first + 1].rgb, part);
     vec3 lit = mix(far, near, clear);
-    return mix(min(lit, frame.horizon_light[16].rgb), lit, sunlit);
+    return mix(min(lit, frame.horizon_light[0].rgb), lit, sunlit);
 }
 
-// Light that the air between camera and surface adds, where it lets `transmittance` through. The air stands in the sun
+// Light that the air between camera and surface adds, where it lets `transmittance` through. The air stands in the light
 // as much as its two ends do.
 vec3 air_light(vec3 relative_m, vec3 transmittance, float sun_at_surface) {
     return horizon_light(relative_m, 0.5 * (frame.haze.x + sun_at_surface), transmittance.g) * (1.0 - transmittance);

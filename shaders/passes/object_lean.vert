@@ -14,8 +14,9 @@ void main() {
     Surface s = read_surface();
     gl_Position = frame.clip_from_relative * vec4(s.relative_m, 1.0);
     float sun = sun_visibility(s.horizon);
+    float moon = moon_visibility(s.horizon);
     vec2 through = cloud_visibility(s.relative_m);
-    vec3 light = direct_irradiance(s.normal, sun * through.x, moon_visibility(s.horizon) * through.y) + s.ambient * sky_irradiance(s.normal);
-    vec3 radiance = through_air(s.albedo * light, s.relative_m, sun);
+    vec3 light = direct_irradiance(s.normal, sun * through.x, moon * through.y) + s.ambient * sky_irradiance(s.normal);
+    vec3 radiance = through_air(s.albedo * light, s.relative_m, sky_light_visibility(sun, moon));
     color = hdr ? radiance : display(radiance);
 }

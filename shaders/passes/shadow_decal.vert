@@ -24,5 +24,6 @@ void main() {
     bool by_moon = frame.key.w > 0.5;
     vec3 lit = ground * (direct_irradiance(up, sun, moon) + sky);
     vec3 shaded = ground * (direct_irradiance(up, by_moon ? sun : sun * through, by_moon ? moon * through : moon) + sky);
-    color = (display(through_air(shaded, relative, sun)) + 1e-3) / (display(through_air(lit, relative, sun)) + 1e-3);
+    float in_light = sky_light_visibility(sun, moon);
+    color = (display(through_air(shaded, relative, in_light)) + 1e-3) / (display(through_air(lit, relative, in_light)) + 1e-3);
 }

@@ -59,5 +59,5 @@ void main() {
     float through = shadow(relative_m, n);
     vec2 visible = place.zw * cloud_visibility(relative_m) * (frame.key.w > 0.5 ? vec2(1.0, through) : vec2(through, 1.0));
     vec3 light = direct_irradiance(n, visible.x, visible.y) + ambient * sky_irradiance(n);
-    target = vec4(through_air(reflectance * light, relative_m, place.z), 1.0);
+    target = vec4(through_air(reflectance * light, relative_m, sky_light_visibility(place.z, place.w)), 1.0);
 }

@@ -16,9 +16,10 @@ void main() {
     gl_Position = frame.clip_from_relative * vec4(s.relative_m, 1.0);
     ground_m = position_m.xy;
     float sun_visible = sun_visibility(s.horizon);
+    float moon_visible = moon_visibility(s.horizon);
     vec2 through = cloud_visibility(s.relative_m);
     vec3 sun = frame.sun.rgb * (sun_visible * through.x);
-    vec3 moon = frame.moon.rgb * (moon_visibility(s.horizon) * through.y);
+    vec3 moon = frame.moon.rgb * (moon_visible * through.y);
     bool by_moon = frame.key.w > 0.5;
     vec3 other = by_moon ? sun * max(dot(s.normal, frame.to_sun.xyz), 0.0)
                          : moon * max(dot(s.normal, frame.to_moon.xyz), 0.0);
@@ -26,5 +27,5 @@ void main() {
     vec3 reflectance = chroma_of(s.albedo) * transmittance;
     key_light = reflectance * (by_moon ? moon : sun);
     sky_light = reflectance * (sky_irradiance(s.normal) + other);
-    air = air_light(s.relative_m, transmittance, sun_visible);
+    air = air_light(s.relative_m, transmittance, sky_light_visibility(sun_visible, moon_visible));
 }

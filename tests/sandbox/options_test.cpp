@@ -43,7 +43,8 @@ TEST(Options, ReadsEveryOption) {
                                            "--out",    "a.png",      "--report",
                                            "r.json",   "--validate", "--quality",
                                            "full",     "--hud",      "--device",
-                                           "llvmpipe", "--threads",  "2"});
+                                           "llvmpipe", "--threads",  "2",
+                                           "--chart",  "sky:7"});
     ASSERT_TRUE(options) << options.error().message();
     EXPECT_EQ(options->scene, "noon");
     EXPECT_TRUE(options->headless);
@@ -58,6 +59,8 @@ TEST(Options, ReadsEveryOption) {
     EXPECT_TRUE(options->validate);
     EXPECT_EQ(options->quality, Quality::full);
     EXPECT_TRUE(options->hud);
+    EXPECT_EQ(options->chart, Chart::sky);
+    EXPECT_EQ(options->chart_bands, 7);
     EXPECT_EQ(options->device, "llvmpipe");
     EXPECT_EQ(options->threads, 2U);
     EXPECT_EQ(parse({"--headless"})->frames, 1);
@@ -83,6 +86,10 @@ TEST(Options, ErrorsNameOptionValueAndWhatWouldBeRight) {
     expect_error({"--frames", "0"}, "--frames", "0", "1");
     expect_error({"--frames", "-3"}, "--frames", "-3", "1");
     expect_error({"--frames", "1.5"}, "--frames", "1.5", "whole");
+    for (const char* chart : {"night", "sky:", "sky:0", "sky:8", "day:3", ""}) {
+        expect_error({"--chart", chart}, "--chart", *chart == '\0' ? "empty" : chart,
+                     "sky, sky:1 to sky:7, day or none");
+    }
     expect_error({"--threads", "-1"}, "--threads", "-1", "0");
     expect_error({"--quality", "ultra"}, "--quality", "ultra", "lean");
     expect_error({"--out", "a.jpg"}, "--out", "a.jpg", ".png");
@@ -99,7 +106,7 @@ TEST(Options, HelpNamesEveryOption) {
     const std::string help = help_text();
     for (const char* option :
          {"--scene", "--headless", "--frames", "--size", "--time", "--lat", "--lon", "--out", "--report", "--validate",
-          "--list-scenes", "--help", "--quality", "--hud", "--device", "--threads"}) {
+          "--list-scenes", "--help", "--quality", "--hud", "--device", "--threads", "--chart"}) {
         EXPECT_NE(help.find(option), std::string::npos) << option;
     }
 }

@@ -44,7 +44,8 @@ TEST(Scene, ReadsEveryField) {
         "observer": {"latitude_deg": -33.5, "longitude_deg": 151, "height_m": 20},
         "atmosphere": {"turbidity": 3, "ozone_atm_cm": 0.3, "ground_albedo": [0.1, 0.2, 0.3]},
         "camera": {"position_m": [1, 2, 3], "yaw_deg": 90, "pitch_deg": -5, "fov_deg": 45},
-        "exposure": {"bias_ev": -1.5}, "quality": "full", "probes": {"deringing": "paper", "show": false}})",
+        "exposure": {"bias_ev": -1.5}, "quality": "full", "probes": {"deringing": "paper", "show": false},
+        "chart": {"show": "sky", "bands": 7, "filter": "sinc"}})",
                                             "x.json");
     ASSERT_TRUE(scene) << scene.error().message();
     EXPECT_EQ(scene->name, "n");
@@ -54,18 +55,37 @@ TEST(Scene, ReadsEveryField) {
     EXPECT_EQ(scene->latitude_deg, -33.5);
     EXPECT_EQ(scene->longitude_deg, 151.0);
     EXPECT_EQ(scene->height_m, 20.0);
-    EXPECT_EQ(scene->turbidity, 3.0F);
-    EXPECT_EQ(scene->ozone_atm_cm, 0.3F);
-    EXPECT_EQ(scene->ground_albedo, glm::vec3(0.1F, 0.2F, 0.3F));
+    EXPECT_EQ(scene->atmosphere.turbidity, 3.0F);
+    EXPECT_EQ(scene->atmosphere.ozone_atm_cm, 0.3F);
+    EXPECT_EQ(scene->atmosphere.ground_albedo, glm::vec3(0.1F, 0.2F, 0.3F));
     EXPECT_EQ(scene->camera_position_m, glm::vec3(1.0F, 2.0F, 3.0F));
     EXPECT_EQ(scene->exposure_bias_ev, -1.5F);
     EXPECT_EQ(scene->quality, Quality::full);
+    EXPECT_EQ(scene->chart.show, Chart::sky);
+    EXPECT_EQ(scene->chart.bands, 7);
+    EXPECT_EQ(scene->chart.filter, ChartFilter::sinc);
     ASSERT_TRUE(scene->probes);
     EXPECT_EQ(scene->probes->deringing, Deringing::paper);
     EXPECT_FALSE(scene->probes->show);
     const Camera camera = scene_camera(*scene);
     EXPECT_NEAR(camera.forward().x, std::cos(5.0 * 3.14159265 / 180.0), 1e-6);
     EXPECT_NEAR(camera.fov_y_rad, 0.785398, 1e-5);
+}
+
+TEST(Scene, ReadsEverySkyModel) {
+    for (std::size_t model = 0; model < sky_model_names.size(); ++model) {
+        const Result<Scene> scene =
+            parse_scene(with("\"atmosphere\": {\"model\": \"" + std::string(sky_model_names[model]) + "\"}"), "x.json");
+        ASSERT_TRUE(scene) << scene.error().message();
+        EXPECT_EQ(scene->atmosphere.model, static_cast<SkyModel>(model));
+    }
+    const Result<Scene> perez = parse_scene(
+        with(R"("atmosphere": {"model": "perez", "clearness": 1.5, "brightness": 0.3, "zenith_cd_m2": 4000})"),
+        "x.json");
+    ASSERT_TRUE(perez) << perez.error().message();
+    EXPECT_EQ(perez->atmosphere.clearness, 1.5F);
+    EXPECT_EQ(perez->atmosphere.brightness, 0.3F);
+    EXPECT_EQ(perez->atmosphere.zenith_cd_m2, 4000.0F);
 }
 
 TEST(Scene, TheScenesAreThereAndRight) {
@@ -113,6 +133,19 @@ TEST(Scene, ErrorsNameFileFieldValueAndWhatWouldBeRight) {
     expect_error(with(R"("atmosphere": {"ground_albedo": [0.1, 0.2]})"), "atmosphere.ground_albedo", "[0.1,0.2]",
                  "three");
     expect_error(with(R"("atmosphere": {"ground_albedo": [0.1, 0.2, 2]})"), "atmosphere.ground_albedo[2]", "2", "1.0");
+    expect_error(with(R"("atmosphere": {"model": "hosek"})"), "atmosphere.model", "hosek",
+                 "preetham, perez, cie-clear, cie-overcast, asrc-cie, cie-general or scattering");
+    expect_error(with(R"("atmosphere": {"model": "cie-general", "cie_type": 16})"), "atmosphere.cie_type", "16", "15");
+    expect_error(with(R"("atmosphere": {"model": "cie-general", "cie_type": 2.5})"), "atmosphere.cie_type", "2.5",
+                 "a whole number");
+    expect_error(with(R"("atmosphere": {"model": "perez", "brightness": 0.7})"), "atmosphere.brightness", "0.7", "0.6");
+    expect_error(with(R"("atmosphere": {"model": "asrc-cie", "clearness": 0})"), "atmosphere.clearness", "0", "1.0");
+    // A parameter that the model does not read would change nothing.
+    expect_error(with(R"("atmosphere": {"model": "scattering", "clearness": 3})"), "atmosphere.clearness",
+                 "unknown field", "one of model, turbidity");
+    expect_error(with(R"("chart": {"show": "night"})"), "chart.show", "night", "none, sky or day");
+    expect_error(with(R"("chart": {"bands": 8})"), "chart.bands", "8", "7");
+    expect_error(with(R"("chart": {"filter": "box"})"), "chart.filter", "box", "least-blur or sinc");
     expect_error(with(R"("camera": {"fov_deg": 0})"), "camera.fov_deg", "0", "5.0");
     expect_error(with(R"("camera": 5)"), "camera", "5", "an object");
     expect_error(with(R"("exposure": {"bias": 1})"), "exposure.bias", "unknown", "bias_ev");

@@ -131,7 +131,7 @@ TEST(SkyExtractTest, TakesTheHorizonRing) {
     FrameData frame;
     frame.to_sun = glm::normalize(glm::vec3(-0.6F, 0.3F, 0.4F));
     std::vector<SkyVertex> sky(SkyDome::vertices);
-    place_sky_vertices(frame.to_sun, sky);
+    place_sky_vertices(frame.to_sun, 0.0F, sky);
     const glm::vec2 sun = glm::normalize(glm::vec2(frame.to_sun));
     for (SkyVertex& vertex : sky) {
         const float level = glm::length(glm::vec2(vertex.direction));
@@ -141,7 +141,7 @@ TEST(SkyExtractTest, TakesTheHorizonRing) {
     frame.sky_vertices = sky;
     const SkyExtract extract = extract_sky(frame);
     for (std::size_t i = 0; i < extract.horizon.size(); ++i) {
-        const float s = static_cast<float>(i) / 16.0F;
+        const float s = static_cast<float>(i) / 16.0F - 1.0F;
         EXPECT_NEAR(extract.horizon[i].x, 2.0F + (1.0F - 2.0F * s * s), 5e-3F) << i; // cos = 1 - 2 sin^2 of the half
         EXPECT_NEAR(extract.horizon[i].y, 5.0F, 1e-5F);
         EXPECT_NEAR(extract.horizon[i].z, 0.0F, 1e-6F);

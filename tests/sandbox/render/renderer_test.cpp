@@ -114,7 +114,7 @@ protected:
 
     void set_sky(glm::vec3 radiance) {
         sky.resize(SkyDome::vertices);
-        place_sky_vertices(frame.to_sun, sky);
+        place_sky_vertices(frame.to_sun, 0.0F, sky);
         for (SkyVertex& vertex : sky) {
             vertex.radiance_cd_m2 = radiance;
         }
@@ -516,7 +516,7 @@ TEST_P(RendererTest, CapturesAreRadianceByDirection) {
     const auto radiance = [](const glm::vec3& d) {
         return 1000.0F * (glm::vec3(2.0F) + glm::vec3(d.x, d.y, d.z));
     };
-    place_sky_vertices(frame.to_sun, sky);
+    place_sky_vertices(frame.to_sun, 0.0F, sky);
     for (SkyVertex& vertex : sky) {
         vertex.radiance_cd_m2 = radiance(vertex.direction);
     }

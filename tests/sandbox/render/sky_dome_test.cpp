@@ -27,34 +27,41 @@ double solid_angle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) { // van Oosterom a
            std::atan2(std::abs(glm::dot(a, glm::cross(b, c))), 1.0 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
 }
 
-TEST(SkyDomeTest, DirectionsAreUnitAndNotBelowTheHorizon) {
+TEST(SkyDomeTest, RingsRiseFromTheHorizonAndFallFromIt) {
     std::vector<SkyVertex> sky(SkyDome::vertices);
-    for (const glm::vec3& sun : kSuns) {
-        place_sky_vertices(glm::normalize(sun), sky);
-        for (std::uint32_t i = 0; i < SkyDome::vertices; ++i) {
-            ASSERT_NEAR(glm::length(sky[i].direction), 1.0F, 1e-6F);
-            ASSERT_GE(sky[i].direction.z, 0.0F);
-            if (i < SkyDome::azimuths) {
-                ASSERT_EQ(sky[i].direction.z, 0.0F);
+    for (const float horizon : {0.0F, -0.06F, -0.5F}) {
+        for (const glm::vec3& sun : kSuns) {
+            place_sky_vertices(glm::normalize(sun), horizon, sky);
+            for (std::uint32_t i = 0; i < SkyDome::vertices; ++i) {
+                ASSERT_NEAR(glm::length(sky[i].direction), 1.0F, 1e-6F);
+                const std::uint32_t ring = i / SkyDome::azimuths;
+                const float z = sky[i].direction.z;
+                if (ring == 0) {
+                    ASSERT_FLOAT_EQ(z, std::sin(horizon));
+                } else if (ring == SkyDome::rings) {
+                    ASSERT_LT(z, sky[i % SkyDome::azimuths].direction.z);
+                } else if (ring < SkyDome::rings) {
+                    ASSERT_GT(z, sky[i - SkyDome::azimuths].direction.z);
+                } else {
+                    ASSERT_LT(z, sky[i - SkyDome::azimuths].direction.z);
+                }
             }
         }
     }
 }
 
-TEST(SkyDomeTest, CoversTheHemisphereOnce) {
+TEST(SkyDomeTest, CoversTheSphereOnce) {
     std::vector<SkyVertex> sky(SkyDome::vertices);
     const std::vector<std::uint32_t> indices = sky_dome_indices();
     ASSERT_EQ(indices.size() % 3, 0U);
     for (const glm::vec3& sun : kSuns) {
-        place_sky_vertices(glm::normalize(sun), sky);
+        place_sky_vertices(glm::normalize(sun), -0.03F, sky);
         double covered = 0.0;
         for (std::size_t t = 0; t < indices.size(); t += 3) {
-            if (std::max({indices[t], indices[t + 1], indices[t + 2]}) < SkyDome::vertices) { // not the skirt
-                covered += solid_angle(sky[indices[t]].direction, sky[indices[t + 1]].direction,
-                                       sky[indices[t + 2]].direction);
-            }
+            covered +=
+                solid_angle(sky[indices[t]].direction, sky[indices[t + 1]].direction, sky[indices[t + 2]].direction);
         }
-        EXPECT_NEAR(covered, 2.0 * std::numbers::pi, 1e-3);
+        EXPECT_NEAR(covered, 4.0 * std::numbers::pi, 1e-3);
     }
 }
 
@@ -62,11 +69,11 @@ TEST(SkyDomeTest, CoversTheHemisphereOnce) {
 // nadir's rings are one point each and close the ends.
 TEST(SkyDomeTest, TopologyIsClosed) {
     const auto point = [](std::uint32_t vertex) {
-        if (vertex >= SkyDome::vertices + SkyDome::azimuths) {
-            return SkyDome::vertices + SkyDome::azimuths;
-        }
-        if (vertex >= SkyDome::vertices - SkyDome::azimuths && vertex < SkyDome::vertices) {
-            return SkyDome::vertices - SkyDome::azimuths;
+        for (const std::uint32_t pole :
+             {SkyDome::vertices - SkyDome::azimuths, SkyDome::vertices_above - SkyDome::azimuths}) {
+            if (vertex >= pole && vertex < pole + SkyDome::azimuths) {
+                return pole;
+            }
         }
         return vertex;
     };
@@ -77,7 +84,7 @@ TEST(SkyDomeTest, TopologyIsClosed) {
             const std::uint32_t a = point(indices[t + k]);
             const std::uint32_t b = point(indices[t + (k + 1) % 3]);
             ASSERT_NE(a, b);
-            ASSERT_LT(std::max(indices[t + k], indices[t + (k + 1) % 3]), SkyDome::vertices + SkyDome::skirt_vertices);
+            ASSERT_LT(std::max(indices[t + k], indices[t + (k + 1) % 3]), SkyDome::vertices);
             ++edges[{a, b}];
         }
     }
@@ -90,7 +97,7 @@ TEST(SkyDomeTest, TopologyIsClosed) {
 TEST(SkyDomeTest, IsFinestAtTheSun) {
     std::vector<SkyVertex> sky(SkyDome::vertices);
     const glm::vec3 sun = glm::normalize(glm::vec3(0.5F, -0.4F, 0.25F));
-    place_sky_vertices(sun, sky);
+    place_sky_vertices(sun, 0.0F, sky);
     const auto nearest = [&](glm::vec3 direction) {
         float best = -1.0F;
         for (const SkyVertex& vertex : sky) {
@@ -100,7 +107,7 @@ TEST(SkyDomeTest, IsFinestAtTheSun) {
     };
     EXPECT_LT(nearest(sun), 1.5F * kPi / 180.0F);
     for (std::uint32_t i = 1; i < SkyDome::azimuths; ++i) {
-        EXPECT_GT(sky_azimuth_from_sun(i), sky_azimuth_from_sun(i - 1));
+        EXPECT_GT(sky_azimuth_from_light(i), sky_azimuth_from_light(i - 1));
     }
 }
 
@@ -120,7 +127,7 @@ TEST(SkyDomeTest, PatchesAreTheWholeDomeInOrder) {
 // Any triangle with a point in the picture is drawn, and most of the dome is not.
 TEST(SkyDomeTest, WhatIsInViewIsDrawn) {
     std::vector<SkyVertex> sky(SkyDome::vertices);
-    place_sky_vertices(glm::normalize(glm::vec3(0.5F, -0.4F, 0.25F)), sky);
+    place_sky_vertices(glm::normalize(glm::vec3(0.5F, -0.4F, 0.25F)), -0.02F, sky);
     const std::vector<std::uint32_t> indices = sky_dome_indices();
     const std::vector<SkyPatch> patches = sky_dome_patches();
     std::mt19937 random(4);
@@ -136,9 +143,8 @@ TEST(SkyDomeTest, WhatIsInViewIsDrawn) {
         }
         EXPECT_LT(drawn, indices.size());
         for (std::uint32_t t = 0; t < indices.size(); t += 3) {
-            const glm::vec3 middle = (sky_direction(sky, indices[t]) + sky_direction(sky, indices[t + 1]) +
-                                      sky_direction(sky, indices[t + 2])) /
-                                     3.0F;
+            const glm::vec3 middle =
+                (sky[indices[t]].direction + sky[indices[t + 1]].direction + sky[indices[t + 2]].direction) / 3.0F;
             const glm::vec4 p = clip * glm::vec4(middle, 0.0F);
             const bool in_view = p.w > 0.0F && std::abs(p.x) <= p.w && std::abs(p.y) <= p.w;
             const bool is_drawn = std::any_of(runs.begin(), runs.end(), [t](const IndexRun& run) {
