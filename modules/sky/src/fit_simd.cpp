@@ -41,42 +41,10 @@ HWY_INLINE void sum_rows(const FitRows& in, std::size_t offset, const float* HWY
     }
 }
 
-// Two accumulators each, for even and odd degrees: a sum of one accumulator waits for itself.
-template <std::size_t N>
-HWY_INLINE void sum_theta(const float* HWY_RESTRICT sums, const float* HWY_RESTRICT t, std::size_t degrees,
-                          float* HWY_RESTRICT out) {
-    const D d;
-    const std::size_t lanes = hn::Lanes(d);
-    V even[N];
-    V odd[N];
-    for (std::size_t n = 0; n < N; ++n) {
-        even[n] = odd[n] = hn::Zero(d);
-    }
-    std::size_t i = 0;
-    for (; i + 1 < degrees; i += 2) {
-        const V w0 = hn::Set(d, t[i]);
-        const V w1 = hn::Set(d, t[i + 1]);
-        const float* row = sums + i * fit_stride;
-        for (std::size_t n = 0; n < N; ++n) {
-            even[n] = hn::MulAdd(w0, hn::Load(d, row + n * lanes), even[n]);
-            odd[n] = hn::MulAdd(w1, hn::Load(d, row + fit_stride + n * lanes), odd[n]);
-        }
-    }
-    if (i < degrees) {
-        const V w0 = hn::Set(d, t[i]);
-        for (std::size_t n = 0; n < N; ++n) {
-            even[n] = hn::MulAdd(w0, hn::Load(d, sums + i * fit_stride + n * lanes), even[n]);
-        }
-    }
-    for (std::size_t n = 0; n < N; ++n) {
-        hn::StoreU(hn::Add(even[n], odd[n]), d, out + n * lanes);
-    }
-}
-
 // U rows at a time, each with accumulators of its own: one sum alone would wait for its last addition.
-template <std::size_t N, std::size_t U>
-HWY_INLINE void sum_all(const float* HWY_RESTRICT rows, const float* HWY_RESTRICT weights,
-                        const std::int16_t* HWY_RESTRICT position, std::size_t count, float* HWY_RESTRICT out) {
+template <std::size_t N, std::size_t U, class W>
+HWY_INLINE void sum_all(const float* HWY_RESTRICT rows, const W& weight_of, std::size_t count,
+                        float* HWY_RESTRICT out) {
     const D d;
     const std::size_t lanes = hn::Lanes(d);
     V all[U][N];
@@ -88,7 +56,7 @@ HWY_INLINE void sum_all(const float* HWY_RESTRICT rows, const float* HWY_RESTRIC
     std::size_t r = 0;
     for (; r + U <= count; r += U) {
         for (std::size_t u = 0; u < U; ++u) {
-            const V weight = hn::Set(d, weights[position[r + u]]);
+            const V weight = hn::Set(d, weight_of(r + u));
             const float* row = rows + (r + u) * fit_stride;
             for (std::size_t n = 0; n < N; ++n) {
                 all[u][n] = hn::MulAdd(weight, hn::Load(d, row + n * lanes), all[u][n]);
@@ -96,7 +64,7 @@ HWY_INLINE void sum_all(const float* HWY_RESTRICT rows, const float* HWY_RESTRIC
         }
     }
     for (; r < count; ++r) {
-        const V weight = hn::Set(d, weights[position[r]]);
+        const V weight = hn::Set(d, weight_of(r));
         const float* row = rows + r * fit_stride;
         for (std::size_t n = 0; n < N; ++n) {
             all[0][n] = hn::MulAdd(weight, hn::Load(d, row + n * lanes), all[0][n]);
@@ -200,6 +168,15 @@ HWY_INLINE std::size_t functions_of(int bands) {
 
 constexpr std::size_t series_terms = 16;
 
+// Few degrees at once: a count that the compiler knows stays in registers.
+HWY_INLINE void chebyshev_of(float x, std::size_t degrees, float* t) {
+    if (HWY_LIKELY(degrees <= series_terms)) {
+        chebyshev(x, series_terms, t);
+    } else {
+        chebyshev(x, degrees, t);
+    }
+}
+
 HWY_INLINE float factor_of(const FitSun& sun, const float* t) {
     if (sun.factor_series == nullptr) {
         return sun.factor;
@@ -214,10 +191,12 @@ HWY_INLINE float factor_of(const FitSun& sun, const float* t) {
 
 void FromSums(const float* sums, std::size_t degrees, const FitSun& sun) {
     float t[max_degrees + 2];
-    chebyshev(sun.x, degrees < series_terms ? series_terms : degrees, t);
+    chebyshev_of(sun.x, degrees, t);
     HWY_ALIGN float out[fit_stride];
     in_groups(functions_of(sun.bands), [&](auto n, std::size_t offset) HWY_ATTR {
-        sum_theta<decltype(n)::value>(sums + offset, t, degrees, out + offset);
+        constexpr std::size_t vectors = decltype(n)::value;
+        sum_all<vectors, (vectors <= 3 ? 4 : 2)>(
+            sums + offset, [&](std::size_t i) HWY_ATTR { return t[i]; }, degrees, out + offset);
     });
     expand(out, factor_of(sun, t), sun.cos_a, sun.sin_a, sun.bands, sun.out);
 }
@@ -226,7 +205,7 @@ void FromRows(const FitRows& in, const float* w, const FitSun& sun) {
     const D d;
     const std::size_t lanes = hn::Lanes(d);
     float t[max_degrees + 2];
-    chebyshev(sun.x, in.degrees, t);
+    chebyshev_of(sun.x, in.degrees, t);
     // A table of products of whole, aligned vectors: rows read from it at once what was just stored.
     HWY_ALIGN float weights[max_degrees * fit_weights];
     std::int16_t own[max_fit_rows];
@@ -252,7 +231,8 @@ void FromRows(const FitRows& in, const float* w, const FitSun& sun) {
     HWY_ALIGN float out[fit_stride];
     in_groups(functions_of(sun.bands), [&](auto n, std::size_t offset) HWY_ATTR {
         constexpr std::size_t vectors = decltype(n)::value;
-        sum_all<vectors, (vectors <= 3 ? 4 : 2)>(in.rows + offset, weights, position, count, out + offset);
+        sum_all<vectors, (vectors <= 3 ? 4 : 2)>(
+            in.rows + offset, [&](std::size_t r) HWY_ATTR { return weights[position[r]]; }, count, out + offset);
     });
     expand(out, sun.factor, sun.cos_a, sun.sin_a, sun.bands, sun.out);
 }
