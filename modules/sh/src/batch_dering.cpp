@@ -69,8 +69,9 @@ HWY_INLINE V newton(const V (&b)[Terms], const V (&g)[Terms], V nu) {
                       nu);
 }
 
-// The dual of the minimum over unit n, after a few Newton steps on 1 / |n| = 1 (see quadratic.cpp).
-template <int Terms, bool Slopes>
+// The dual of the minimum over unit n, after a few Newton steps on 1 / |n| = 1 (see quadratic.cpp). A lower bound for
+// any number of steps; where a small b stands over a small gap it takes more than three to be near.
+template <int Terms, bool Slopes, int Steps = 3>
 HWY_INLINE Value minimum(const Form<Terms>& form, V w1, V w2) {
     const V tiny = constant(1e-30), zero = hn::Zero(d);
     V b[Terms], g[Terms], r[Terms], n2[Terms], large[Terms];
@@ -98,7 +99,7 @@ HWY_INLINE Value minimum(const Form<Terms>& form, V w1, V w2) {
         }
     }
     nu = hn::Max(nu, full);
-    for (int iteration = 0; iteration < 3; ++iteration) {
+    for (int iteration = 0; iteration < Steps; ++iteration) {
         nu = newton<Terms>(b, g, nu);
     }
     V loss = nu;
@@ -308,7 +309,8 @@ HWY_INLINE V solve_gauss(const Form<3>& form, V linear, M needed) {
         d, hn::ConvertTo(hn::RebindToSigned<D>(), hn::MulAdd(guess, constant(1.0 / 3.0), constant(709921077.0))));
     // f >= mean - p |b| - p |lambda_1| for p <= 1, and somewhere f <= mean - p^3 |lambda_1|.
     V good = hn::Min(one, hn::Div(form.mean, hn::Max(hn::Sub(linear, form.lowest), tiny)));
-    V bad = hn::Min(one, hn::Mul(third, constant(1.1)));
+    const V ceiling = hn::Min(one, hn::Mul(third, constant(1.1)));
+    V bad = ceiling;
     V p = hn::Max(good, hn::Min(bad, hn::Div(form.mean, hn::Max(linear, tiny))));
     for (int iteration = 0; iteration < 20; ++iteration) {
         const V square = hn::Mul(p, p);
@@ -344,23 +346,23 @@ HWY_INLINE V solve_gauss(const Form<3>& form, V linear, M needed) {
     const V slope = hn::MulAdd(hn::Mul(constant(3.0), square), value.slope2, value.slope1);
     p = hn::Sub(p, hn::Div(hn::Min(value.dual, hn::Zero(d)), hn::Min(slope, constant(-1e-12))));
     p = hn::Min(p, one);
-    // Where that is not enough (two minima of nearly one height), bisection from the best that is known to do.
-    const V floor = hn::Mul(constant(-tolerance), form.mean);
-    const auto fits = [&](V q) HWY_ATTR {
-        return hn::Ge(minimum<3, false>(form, q, hn::Mul(hn::Mul(q, q), q)).dual, floor);
-    };
-    const M done = fits(p);
-    if (hn::AllFalse(d, hn::AndNot(done, needed))) {
+    // Looked at closely, the minimum may have been taken too low, and the root with it: bisection then, of all there is
+    // above.
+    const auto dual = [&](V q) HWY_ATTR { return minimum<3, false, 10>(form, q, hn::Mul(hn::Mul(q, q), q)).dual; };
+    const V floor = hn::Mul(constant(-tolerance), form.mean), at_p = dual(p);
+    const M fits = hn::Ge(at_p, floor);
+    const M found = hn::And(fits, hn::Lt(at_p, hn::Mul(constant(1e-4), form.mean)));
+    if (hn::AllFalse(d, hn::AndNot(found, needed))) {
         return p;
     }
-    V low = good, high = p;
-    for (int iteration = 0; iteration < 12; ++iteration) {
+    V low = hn::IfThenElse(fits, hn::Max(p, good), good), high = hn::IfThenElse(fits, ceiling, p);
+    for (int iteration = 0; iteration < 14; ++iteration) {
         const V middle = hn::Mul(constant(0.5), hn::Add(low, high));
-        const M fit = fits(middle);
+        const M fit = hn::Ge(dual(middle), floor);
         low = hn::IfThenElse(fit, middle, low);
         high = hn::IfThenElse(fit, high, middle);
     }
-    return hn::IfThenElse(done, p, low);
+    return hn::IfThenElse(found, p, low);
 }
 
 struct Kernel {
