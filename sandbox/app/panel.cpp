@@ -159,6 +159,7 @@ void draw_help() {
                                "Space          stop and start time\n"
                                "[ ]            an hour back, on\n"
                                "V              charts: sky and its SH, day\n"
+                               "T              scene transfer: open, shadows, bounces\n"
                                "PgUp PgDn      next, previous scene\n"
                                "H              hide the panel\n"
                                "F1             this help\n"

@@ -467,7 +467,7 @@ HemisphereResult Hemisphere::trace_contours(const Scene& scene, const glm::vec3&
         // What both grids missed they do not tell: points whose contours a grid of so many cells cuts are off by about
         // this much more, in the benchmark's scenes.
         const double cells = static_cast<double>(level.rings * sectors);
-        const double missed = 0.01 * result.visibility * (1.0 - result.visibility) *
+        const double missed = 0.04 * result.visibility * (1.0 - result.visibility) *
                               static_cast<double>(coefficients_) / (4.0 * pi) * std::pow(cells, -1.5);
         result.variance = 0.16 * change + missed;
         if (result.variance <= budget) {
