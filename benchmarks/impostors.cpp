@@ -8,6 +8,11 @@
 #include <alpenglow/impostors/reproject.hpp>
 #include <alpenglow/impostors/scheduler.hpp>
 
+#if __has_include(<alpenglow/clouds/march.hpp>) && __has_include(<alpenglow/systems/cloud_impostors.hpp>)
+#define ALPENGLOW_BENCH_REAL_CLOUDS
+#include "../tests/modules/impostors/real_cloud.hpp"
+#endif
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -305,6 +310,121 @@ const Case plan_case("impostors/plan", [](const Context& context) {
                      static_cast<double>(count)});
     }
 });
+
+#ifdef ALPENGLOW_BENCH_REAL_CLOUDS
+// The clouds module's own clouds, lit by its own light: what a game shows.
+Frustum around(const Sphere& bounds, const glm::dvec3& eye, int side) {
+    const double d = glm::length(bounds.centre_m - eye);
+    const double tangent = bounds.radius_m / std::sqrt(d * d - bounds.radius_m * bounds.radius_m);
+    return look_at(eye, bounds.centre_m, {0, 0, 1}, 2.0 * std::atan(tangent), side, side);
+}
+
+const Case real_orbit_case("impostors/real-orbit", [](const Context& context) {
+    const test::RealCloud cloud(1, 0);
+    const auto view = [&](double angle) {
+        return around(cloud.bounds,
+                      cloud.bounds.centre_m +
+                          4.0 * cloud.bounds.radius_m * glm::dvec3(std::sin(angle), -std::cos(angle), 0.0),
+                      pixels);
+    };
+    const std::vector<double> angles =
+        context.quick() ? std::vector<double>{1.0, 5.0} : std::vector<double>{0.15, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0};
+    std::vector<std::vector<glm::vec4>> exact;
+    for (const double angle : angles) {
+        exact.push_back(cloud.directly(view(angle * degree)));
+    }
+    const double count = static_cast<double>(pixels) * pixels;
+    const Time direct = context.time(count, [&] { keep(cloud.directly(view(0.01), nullptr, 1)); });
+    std::vector<glm::vec4> image(exact[0].size());
+    for (const Method& method : methods) {
+        CaptureSettings settings;
+        settings.representation = method.representation;
+        settings.layers = method.layers;
+        const Frustum from = *fit_frustum(cloud.bounds, view(0.0).eye_m, {0, 0, 1}, pixels * 5 / 4);
+        const Capture picture = std::move(capture(cloud.bounds, from, settings, cloud.drawable()).value());
+        DrawSettings draw_settings;
+        draw_settings.filter = method.filter;
+        draw_settings.threads = 1;
+        const Time time = context.time(count, [&] {
+            std::fill(image.begin(), image.end(), glm::vec4(0.0F));
+            draw(picture, view(degree), draw_settings, image);
+            keep(image);
+        });
+        for (std::size_t a = 0; a < angles.size(); ++a) {
+            std::fill(image.begin(), image.end(), glm::vec4(0.0F));
+            draw(picture, view(angles[a] * degree), draw_settings, image);
+            char name[64];
+            std::snprintf(name, sizeof name, "cumulus, orbit by %.4g degrees", angles[a]);
+            Row row{"impostors",
+                    name,
+                    method.name,
+                    time.ns,
+                    time.spread,
+                    test::relative_rmse(image, exact[a]),
+                    "relative RMSE, cumulus at 4 radii",
+                    "direct march",
+                    megabytes(picture),
+                    count};
+            context.add(row);
+            row.name += ", tone mapped";
+            row.error = test::tone_mapped_psnr(image, exact[a]);
+            row.error_metric = "PSNR in dB, larger is better";
+            context.add(row);
+        }
+    }
+    context.add({"impostors", "cumulus, one picture", "direct march", direct.ns, direct.spread, 0.0,
+                 "relative RMSE, cumulus at 4 radii", "itself", 0.0, count});
+});
+
+const Case real_metric_case("impostors/real-metric", [](const Context& context) {
+    constexpr int side = 36; // as fine as the voxels
+    const int captures = context.quick() ? 10 : 100;
+    const int changes = context.quick() ? 25 : 250; // of view, for each of four representations: 10^5
+    std::mt19937 random(23);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
+    const auto direction = [&] { return glm::normalize(glm::dvec3(normal(random), normal(random), normal(random))); };
+    std::array<std::vector<double>, 4> ratio;
+    for (int n = 0; n < captures; ++n) {
+        const test::RealCloud cloud(static_cast<std::uint32_t>(n) + 100U, 16, 0.0F,
+                                    static_cast<float>(std::exp(3.0 * uniform(random) - 2.0)));
+        const double distance = cloud.bounds.radius_m * (1.8 + std::exp(3.0 * uniform(random) - 1.0));
+        const glm::dvec3 c = cloud.bounds.centre_m + distance * direction();
+        const clouds::CloudLighting::ViewFields fields =
+            cloud.lighting.contract(cloud.volume.transform().index_from_world(c));
+        for (std::size_t kind = 0; kind < 4; ++kind) {
+            CaptureSettings settings;
+            settings.representation = static_cast<Representation>(kind);
+            settings.layers = 4;
+            const Capture picture = std::move(
+                capture(cloud.bounds, *fit_frustum(cloud.bounds, c, {0, 0, 1}, side), settings, cloud.drawable(&fields))
+                    .value());
+            std::vector<glm::vec4> drawn;
+            DrawSettings one_thread;
+            one_thread.threads = 1;
+            for (int k = 0; k < changes; ++k) {
+                const glm::dvec3 e = c + distance * 0.0017 * std::exp(3.9 * uniform(random)) * direction();
+                const Frustum view = around(cloud.bounds, e, side);
+                const auto exact = cloud.directly(view, &fields, 1);
+                drawn.assign(exact.size(), glm::vec4(0.0F));
+                draw(picture, view, one_thread, drawn);
+                ratio[kind].push_back(predicted_error(picture, e, 2.0) / test::relative_rmse(drawn, exact));
+            }
+        }
+    }
+    constexpr std::array names{"plane", "4 layers", "depth warp", "4 warped layers"};
+    for (std::size_t kind = 0; kind < 4; ++kind) {
+        std::sort(ratio[kind].begin(), ratio[kind].end());
+        const auto count = static_cast<double>(ratio[kind].size());
+        const auto beyond =
+            static_cast<double>(std::lower_bound(ratio[kind].begin(), ratio[kind].end(), 1.0) - ratio[kind].begin());
+        context.add({"impostors", "bound of the image error, real clouds", names[kind], 0.0, 0.0, beyond / count,
+                     "share of views beyond the bound", "direct march", 0.0, count});
+        context.add({"impostors", "bound over measured image error, real clouds", names[kind], 0.0, 0.0,
+                     ratio[kind][ratio[kind].size() / 2], "median", "direct march", 0.0, count});
+    }
+});
+#endif
 
 } // namespace
 } // namespace alpenglow::bench

@@ -257,6 +257,51 @@ std::vector<float> continued_depth(const Layer& layer, double plane_s) {
     return coarse;
 }
 
+// The map as a mesh with a node at every `cell` texels has it: nodes take the mean of the texels around them, weighted
+// by a tent and by what is there to be seen.
+std::vector<float> bent_at_nodes(const std::vector<float>& map, const MipLevel& base, int cell) {
+    const int across = (base.width + cell - 1) / cell + 1;
+    const int down = (base.height + cell - 1) / cell + 1;
+    std::vector<float> node(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
+    for (int j = 0; j < down; ++j) {
+        for (int i = 0; i < across; ++i) {
+            float sum = 0.0F;
+            float weights = 0.0F;
+            for (int y = std::max(0, (j - 1) * cell); y < std::min(base.height, (j + 1) * cell); ++y) {
+                for (int x = std::max(0, (i - 1) * cell); x < std::min(base.width, (i + 1) * cell); ++x) {
+                    const auto at = static_cast<std::size_t>(y * base.width + x);
+                    const auto size = static_cast<float>(cell);
+                    const float u = 1.0F - std::abs(static_cast<float>(x - i * cell) + 0.5F) / size;
+                    const float v = 1.0F - std::abs(static_cast<float>(y - j * cell) + 0.5F) / size;
+                    const float weight = u * v * (base.colour[at].w + 1e-3F);
+                    sum += weight * map[at];
+                    weights += weight;
+                }
+            }
+            const int x = std::min(i * cell, base.width - 1);
+            const int y = std::min(j * cell, base.height - 1);
+            node[static_cast<std::size_t>(j * across + i)] =
+                weights > 0.0F ? sum / weights : map[static_cast<std::size_t>(y * base.width + x)];
+        }
+    }
+    std::vector<float> bent(map.size());
+    for (int y = 0; y < base.height; ++y) {
+        for (int x = 0; x < base.width; ++x) {
+            const float u = (static_cast<float>(x) + 0.5F) / static_cast<float>(cell);
+            const float v = (static_cast<float>(y) + 0.5F) / static_cast<float>(cell);
+            const int i = static_cast<int>(u);
+            const int j = static_cast<int>(v);
+            const float s = u - static_cast<float>(i);
+            const float t = v - static_cast<float>(j);
+            const auto at = [&](int a, int b) { return node[static_cast<std::size_t>(b * across + a)]; };
+            bent[static_cast<std::size_t>(y * base.width + x)] =
+                (1.0F - t) * ((1.0F - s) * at(i, j) + s * at(i + 1, j)) +
+                t * ((1.0F - s) * at(i, j + 1) + s * at(i + 1, j + 1));
+        }
+    }
+    return bent;
+}
+
 } // namespace
 
 std::vector<double> slab_edges(const Sphere& bounds, const Frustum& view, int slabs) {
@@ -364,6 +409,9 @@ Result<Capture> capture(const Sphere& bounds, const Frustum& view, std::span<con
         find_occupied(layer);
         if (warped(settings.representation)) {
             layer.warp = continued_depth(layer, (layer.plane_m - request.depth_origin_m) / request.depth_scale_m);
+            if (settings.warp_cell > 1) {
+                layer.warp = bent_at_nodes(layer.warp, layer.mips.front(), settings.warp_cell);
+            }
         }
         result.layers.push_back(std::move(layer));
     }

@@ -10,6 +10,8 @@
 
 #include <alpenglow/core/parallel_for.hpp>
 
+#include "resample.hpp"
+
 namespace alpenglow::impostors {
 namespace {
 
@@ -204,6 +206,35 @@ PixelRect footprint(const Capture& capture, const Frustum& view) {
             pixel(std::floor(right) + 1.0, view.width), pixel(std::floor(bottom) + 1.0, view.height)};
 }
 
+ResampleLayer resample_layer(const LayerView& view) {
+    const Layer& layer = *view.layer;
+    ResampleLayer out;
+    out.width = layer.mips.front().width;
+    out.height = layer.mips.front().height;
+    out.w_plane = static_cast<float>(view.w_plane);
+    out.spread = static_cast<float>(view.spread);
+    out.warp = view.warped ? layer.warp.data() : nullptr;
+    out.near_m = static_cast<float>(layer.near_m);
+    out.far_m = static_cast<float>(layer.far_m);
+    out.occupied = layer.occupied.data();
+    out.blocks_across = view.blocks_across;
+    out.skip_by_blocks = view.level == 0;
+    out.mip_count = view.fine < 1.0F ? 2 : 1;
+    for (int m = 0; m < out.mip_count; ++m) {
+        const MipLevel& mip = layer.mips[static_cast<std::size_t>(view.level + m)];
+        out.mips[m] = {&mip.colour.front().x,
+                       mip.fill.empty() ? nullptr : &mip.fill.front().x,
+                       mip.width,
+                       mip.height,
+                       1.0F / static_cast<float>(1 << (view.level + m)),
+                       m == 0 ? view.fine : 1.0F - view.fine};
+    }
+    return out;
+}
+
+std::size_t draw(const Capture& capture, const Frustum& view, const DrawSettings& settings, std::span<glm::vec4> image,
+                 bool vectors);
+
 } // namespace
 
 float share_in_front(float alpha, float depth_1, float depth_2, float s) {
@@ -219,8 +250,20 @@ float share_in_front(float alpha, float depth_1, float depth_2, float s) {
     return std::clamp(0.5F + 0.5F * (s - mean) / half, 0.0F, 1.0F);
 }
 
+std::size_t draw_scalar(const Capture& capture, const Frustum& view, const DrawSettings& settings,
+                        std::span<glm::vec4> image) {
+    return draw(capture, view, settings, image, false);
+}
+
 std::size_t draw(const Capture& capture, const Frustum& view, const DrawSettings& settings,
                  std::span<glm::vec4> image) {
+    return draw(capture, view, settings, image, true);
+}
+
+namespace {
+
+std::size_t draw(const Capture& capture, const Frustum& view, const DrawSettings& settings, std::span<glm::vec4> image,
+                 bool vectors) {
     assert(image.size() == static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
     assert(settings.scene_depth_m.empty() || settings.scene_depth_m.size() == image.size());
     if (capture.layers.empty() || !(settings.weight > 0.0F)) {
@@ -369,9 +412,60 @@ std::size_t draw(const Capture& capture, const Frustum& view, const DrawSettings
             }
         }
     };
-    parallel_for(static_cast<std::size_t>(rect.y1 - rect.y0), 8, body, settings.threads);
-    return static_cast<std::size_t>(rect.x1 - rect.x0) * static_cast<std::size_t>(rect.y1 - rect.y0);
+    const std::size_t pixels =
+        static_cast<std::size_t>(rect.x1 - rect.x0) * static_cast<std::size_t>(rect.y1 - rect.y0);
+    if (!vectors || sliced || settings.filter != Filter::bilinear) {
+        parallel_for(static_cast<std::size_t>(rect.y1 - rect.y0), 8, body, settings.threads);
+        return pixels;
+    }
+    std::vector<ResampleLayer> rows(layers.size());
+    for (std::size_t k = 0; k < layers.size(); ++k) {
+        rows[k] = resample_layer(layers[k]);
+    }
+    ResampleInput input;
+    input.layers = rows.data();
+    input.layer_count = static_cast<int>(rows.size());
+    input.eye_z = static_cast<float>(eye.z);
+    input.depth_origin_m = static_cast<float>(capture.depth_origin_m);
+    input.depth_scale_m = static_cast<float>(capture.depth_scale_m);
+    for (int channel = 0; channel < 3; ++channel) {
+        input.key[channel] = settings.gain.key[channel];
+        input.fill[channel] = settings.gain.fill[channel];
+    }
+    input.open_edges = capture.open_edges;
+    input.weight = settings.weight;
+    parallel_for(
+        static_cast<std::size_t>(rect.y1 - rect.y0), 8,
+        [&](std::size_t first, std::size_t last) {
+            for (std::size_t line = first; line < last; ++line) {
+                const int j = rect.y0 + static_cast<int>(line);
+                // Set up in double at the first pixel: what is left for float are texels of the picture.
+                const glm::dvec3 v = ray_0 + static_cast<double>(rect.x0) * ray_x + static_cast<double>(j) * ray_y;
+                const auto u_of = [&](const glm::dvec3& r) { return (r.x - c.tan_left * r.z) * texels_x; };
+                const auto v_of = [&](const glm::dvec3& r) { return (c.tan_top * r.z - r.y) * texels_y; };
+                const auto eu_of = [&](const glm::dvec3& r) { return (eye.x * r.z - eye.z * r.x) * texels_x; };
+                const auto ev_of = [&](const glm::dvec3& r) { return (eye.z * r.y - eye.y * r.z) * texels_y; };
+                const auto ramp = [&](const auto& form) {
+                    return Ramp{static_cast<float>(form(v)), static_cast<float>(form(ray_x))};
+                };
+                ResampleRow row;
+                row.u = ramp(u_of);
+                row.v = ramp(v_of);
+                row.eu = ramp(eu_of);
+                row.ev = ramp(ev_of);
+                row.vz = ramp([](const glm::dvec3& r) { return r.z; });
+                row.pixels = rect.x1 - rect.x0;
+                resample_row(input, row,
+                             &image[static_cast<std::size_t>(j) * static_cast<std::size_t>(view.width) +
+                                    static_cast<std::size_t>(rect.x0)]
+                                  .x);
+            }
+        },
+        settings.threads);
+    return pixels;
 }
+
+} // namespace
 
 void over(std::span<const glm::vec4> front, std::span<glm::vec4> back) {
     assert(front.size() == back.size());

@@ -128,6 +128,10 @@ void Scheduler::measured(SlotId id, const Sensitivity& sensitivity, const glm::v
     slot->second.sensitivity = sensitivity;
     if (const auto record = records_.find(slot->second.object); record != records_.end()) {
         record->second.mean = mean;
+        if (settings_.detail_error > 0.0) { // what filtering loses grows with the square of the texel
+            const double scale = std::sqrt(sensitivity.resample / settings_.detail_error);
+            record->second.detail = std::clamp(slot->second.texels * scale / slot->second.required, 0.25, 1.0);
+        }
     }
 }
 
@@ -156,7 +160,7 @@ void Scheduler::captured_in(double texels, double ms) {
 }
 
 double Scheduler::urgency(const Slot& slot, const SceneObject& object, const Frustum& view, const Lights& lights,
-                          int granted) const {
+                          int granted, double detail) const {
     const glm::dvec3 eye = view.eye_m - object.bounds.centre_m;
     const Tolerance& tolerance = object.tolerance;
     double worst = 0.0;
@@ -190,13 +194,17 @@ double Scheduler::urgency(const Slot& slot, const SceneObject& object, const Fru
     }
     // Resolution: 0 with all the headroom left, 1 with none.
     if (slot.texels < granted) {
-        const double need = std::min(required_texels(view, object.bounds, view.eye_m), granted);
+        const double need =
+            std::min(required_texels(view, object.bounds, view.eye_m) * detail, static_cast<double>(granted));
         const double used = need * settings_.headroom / slot.texels;
         worst = std::max(worst, need > slot.texels
                                     ? need / slot.texels
                                     : std::max(0.0, (used - 1.0) / std::max(settings_.headroom - 1.0, 1e-6)));
     }
     worst = std::max(worst, over_tolerance(light_error(slot.lights, lights, object.phase_g), tolerance.light));
+    if (slot.layers < layers_of(object) && degrade_level_ < 2) {
+        worst = std::max(worst, 2.5); // asked for more layers since: something is inside now
+    }
     return std::max(worst, over_tolerance(content_error(slot.content, object.content), tolerance.content));
 }
 
@@ -332,7 +340,8 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
             if (!object.visible || !(object.bounds.radius_m > 0.0) || visible_rect(object.bounds, view).empty()) {
                 continue;
             }
-            const int required = required_texels(view, object.bounds, view.eye_m);
+            const int required =
+                static_cast<int>(std::ceil(required_texels(view, object.bounds, view.eye_m) * record.detail));
             const double pixels = 2.0 * object.bounds.radius_m /
                                   std::max(glm::length(object.bounds.centre_m - view.eye_m), object.bounds.radius_m) *
                                   std::max(view.pixels_per_tan_x(), view.pixels_per_tan_y());
@@ -430,13 +439,15 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
         const int granted = granted_side(c.required, level);
         c.missing = shown.slot == no_slot;
         if (!c.missing) {
-            c.urgency = urgency(slots_.at(shown.slot), object, view, lights, granted);
+            c.urgency = urgency(slots_.at(shown.slot), object, view, lights, granted, c.record->detail);
         }
         if (c.missing || c.urgency > 1.0) { // another view's picture may do
             SlotId best = no_slot;
             double least = c.missing ? infinite : c.urgency;
             for (const SlotId id : c.record->slots) {
-                const double u = id == shown.slot ? infinite : urgency(slots_.at(id), object, view, lights, granted);
+                const double u = id == shown.slot
+                                     ? infinite
+                                     : urgency(slots_.at(id), object, view, lights, granted, c.record->detail);
                 if (u < least && (u <= settings_.ahead || c.missing)) {
                     least = u;
                     best = id;
@@ -533,7 +544,11 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
                 continue;
             }
         }
-        CaptureSettings settings{object.representation, layers_of(object), lights, object.content, false};
+        CaptureSettings settings{.representation = object.representation,
+                                 .layers = layers_of(object),
+                                 .lights = lights,
+                                 .content = object.content,
+                                 .warp_cell = settings_.warp_cell};
         degrade(settings, level);
         std::vector<AtlasTile> tiles;
         while (!make_room(side, settings.layers, c.importance, tiles, out) && side > settings_.least_tile) {
@@ -559,6 +574,7 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
         slot.representation = settings.representation;
         slot.layers = settings.layers;
         slot.texels = side;
+        slot.required = required_texels(view, object.bounds, view.eye_m);
         slot.radius_m = object.bounds.radius_m;
         slot.tiles = tiles;
         slot.lights = lights;
@@ -599,7 +615,7 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
             } else {
                 item.urgency = shown.slot == c.judged ? c.urgency
                                                       : urgency(slots_.at(shown.slot), object, view, lights,
-                                                                granted_side(c.required, level));
+                                                                granted_side(c.required, level), c.record->detail);
                 if (std::isfinite(item.urgency)) {
                     report.worst_urgency = std::max(report.worst_urgency, item.urgency);
                 }

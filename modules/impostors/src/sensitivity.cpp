@@ -50,7 +50,12 @@ Sensitivity measure_sensitivity(const Capture& capture) {
                 const double mean = static_cast<double>(base.depth[i].x) / alpha;
                 const double variance = std::max(0.0, static_cast<double>(base.depth[i].y) / alpha - mean * mean);
                 const double z = std::max(capture.depth_origin_m + capture.depth_scale_m * mean, 1e-3 * layer.far_m);
-                const double off = layer.warp.empty() ? 1.0 / z - 1.0 / layer.plane_m : 0.0;
+                const double shown_at = layer.warp.empty()
+                                            ? layer.plane_m
+                                            : std::clamp(capture.depth_origin_m +
+                                                             capture.depth_scale_m * static_cast<double>(layer.warp[i]),
+                                                         std::max(layer.near_m, 1e-3 * layer.far_m), layer.far_m);
+                const double off = 1.0 / z - 1.0 / shown_at;
                 const double spread = std::sqrt(variance) * capture.depth_scale_m / (z * z);
                 const double rho_2 = off * off + spread * spread;
                 const glm::dvec4 gx = 0.5 * per_tan_x * (at(x + 1, y) - at(x - 1, y));

@@ -67,6 +67,15 @@ const Capture* CaptureStore::find(SlotId slot) const {
     return found == captures_.end() ? nullptr : &found->second;
 }
 
+const Capture* CaptureStore::find_inside(std::uint64_t object, std::uint32_t view) const {
+    const auto of = inside_.find(object);
+    if (of == inside_.end()) {
+        return nullptr;
+    }
+    const auto picture = of->second.find(view);
+    return picture == of->second.end() ? nullptr : &picture->second;
+}
+
 void CaptureStore::draw_item(const DrawItem& item, std::span<const SceneObject> objects,
                              std::span<const SceneView> views, const Lights& lights, const DrawSettings& settings,
                              std::span<glm::vec4> image) const {
@@ -79,10 +88,8 @@ void CaptureStore::draw_item(const DrawItem& item, std::span<const SceneObject> 
         draw(picture, view.frustum, s, image);
     };
     if (item.impostor_weight < 1.0F) {
-        if (const auto of = inside_.find(object.id); of != inside_.end()) {
-            if (const auto picture = of->second.find(view.id); picture != of->second.end()) {
-                add(picture->second, 1.0F - item.impostor_weight);
-            }
+        if (const Capture* picture = find_inside(object.id, view.id)) {
+            add(*picture, 1.0F - item.impostor_weight);
         }
     }
     const Capture* now = find(item.slot);

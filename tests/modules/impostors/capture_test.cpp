@@ -303,5 +303,43 @@ TEST(ShareInFront, MomentsOfAnEvenSpread) {
     EXPECT_EQ(share_in_front(0.5F, 0.1F, 0.02F, 0.19F), 0.0F);
 }
 
+// Vectors of pixels see what single ones see: every representation, from near and far, with mips, with a fill light,
+// with odd widths and open edges.
+TEST(Resampling, VectorsAndScalarsDrawTheSame) {
+    const test::BlobCloud cloud = test::make_blob_cloud(60, 5);
+    for (const Representation kind :
+         {Representation::plane, Representation::layers, Representation::depth_warp, Representation::warped_layers}) {
+        for (const bool open_edges : {false, true}) {
+            CaptureSettings settings;
+            settings.representation = kind;
+            settings.layers = 5;
+            settings.open_edges = open_edges;
+            const auto picture = capture(cloud.bounds, *fit_frustum(cloud.bounds, {0, -4, 0}, {0, 0, 1}, 61), settings,
+                                         test::drawable(cloud));
+            ASSERT_TRUE(picture);
+            for (const glm::dvec3& eye : {glm::dvec3(0, -4, 0), glm::dvec3(0.2, -3.9, 0.1), glm::dvec3(1.5, -3.0, -0.7),
+                                          glm::dvec3(-2.0, -12.0, 3.0), glm::dvec3(0.0, 4.0, 0.5)}) {
+                const Frustum view = look_at(eye, {0.1, 0.0, 0.05}, {0.1, 0, 1}, 0.6, 83, 47);
+                DrawSettings draw_settings;
+                draw_settings.gain.key = glm::vec3(1.5F, 1.0F, 0.5F);
+                draw_settings.gain.fill = glm::vec3(0.5F, 1.0F, 2.0F);
+                draw_settings.weight = 0.75F;
+                std::vector<glm::vec4> a(83 * 47, glm::vec4(0.0F));
+                std::vector<glm::vec4> b(a);
+                EXPECT_EQ(draw(*picture, view, draw_settings, a), draw_scalar(*picture, view, draw_settings, b));
+                double most = 0.0;
+                for (std::size_t i = 0; i < a.size(); ++i) {
+                    for (int c = 0; c < 4; ++c) {
+                        most = std::max(most, static_cast<double>(std::abs(a[i][c] - b[i][c])));
+                    }
+                }
+                // A texel on the border of a block, or of a fixed point's last step, may be taken either way.
+                EXPECT_LT(test::relative_rmse(a, b), 1e-3) << static_cast<int>(kind);
+                EXPECT_LT(most, 0.02) << static_cast<int>(kind);
+            }
+        }
+    }
+}
+
 } // namespace
 } // namespace alpenglow::impostors

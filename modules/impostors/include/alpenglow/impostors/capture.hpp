@@ -119,6 +119,9 @@ struct CaptureSettings {
     // beforehand (and staying within the range of the neighbours, so that nothing rings) leaves 2/5 of the error: for
     // GPUs as for draw(). Off, a picture is exact where its texels are hit.
     bool sharpen = true;
+    // Warped kinds: > 0 lets the surface bend only at every so many texels (bilinear between), as a mesh of such cells
+    // that a GPU draws for one fetch a pixel does. What a picture is off by is measured against that surface.
+    int warp_cell = 0;
 };
 
 // Slab borders for a capture: n slabs of equal thickness in inverse depth where the near side is well in front of the

@@ -1,4 +1,4 @@
-// Drawing a picture from another place: the CPU reference of every representation.
+// Drawing a picture from another place, on the CPU: every representation.
 #pragma once
 
 #include <limits>
@@ -33,6 +33,11 @@ struct DrawSettings {
 // Adds weight x the impostor's premultiplied radiance and alpha to `image` (view.width x view.height), which starts at
 // zero. Returns the pixels touched. The result goes over what is behind it: image + (1 - image.a) x background.
 std::size_t draw(const Capture& capture, const Frustum& view, const DrawSettings& settings, std::span<glm::vec4> image);
+
+// The same pixel by pixel in double and plain code: what a test holds draw() to, which is vectorised over pixels where
+// it filters bilinearly and nothing cuts the picture.
+std::size_t draw_scalar(const Capture& capture, const Frustum& view, const DrawSettings& settings,
+                        std::span<glm::vec4> image);
 
 // Composites premultiplied `front` over `back`, in place.
 void over(std::span<const glm::vec4> front, std::span<glm::vec4> back);

@@ -62,6 +62,10 @@ struct SchedulerSettings {
     double inside_downscale = 4.0; // until a capture was measured
     double inside_error = 0.01;    // relative RMSE of the downscale, from then on
     double margin_inside = 0.0;    // see screen_aligned
+    int warp_cell = 0;             // see CaptureSettings
+    // > 0: pictures of soft things may have fewer texels than pixels, down to a quarter across, as long as what
+    // bilinear filtering is measured to lose (Sensitivity::resample) stays within this; 0: equation 11 as it stands.
+    double detail_error = 0.0;
 };
 
 using SlotId = std::uint32_t;
@@ -156,7 +160,8 @@ private:
         Frustum frustum;
         Representation representation = Representation::plane;
         int layers = 1;
-        int texels = 0; // a side
+        int texels = 0;        // a side
+        double required = 1.0; // by equation 11 when it was taken
         double radius_m = 0.0;
         std::vector<AtlasTile> tiles;
         Lights lights;
@@ -180,13 +185,14 @@ private:
         std::vector<Shown> shown;
         std::vector<SlotId> slots;
         glm::vec4 mean{0.0F};
+        double detail = 1.0; // texels over what equation 11 requires
         std::uint64_t last_presented = 0;
     };
     struct Candidate;
 
     Scheduler(const SchedulerSettings& settings, Atlas atlas) : settings_(settings), atlas_(std::move(atlas)) {}
     [[nodiscard]] double urgency(const Slot& slot, const SceneObject& object, const Frustum& view, const Lights& lights,
-                                 int granted) const;
+                                 int granted, double detail) const;
     [[nodiscard]] bool make_room(int texels, int layers, double importance, std::vector<AtlasTile>& tiles, Plan& out);
     void release(SlotId slot, Plan& out);
     void drop_unused(Record& record, Plan& out);

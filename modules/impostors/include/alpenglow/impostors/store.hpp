@@ -37,6 +37,8 @@ public:
                    const Lights& lights, const DrawSettings& settings, std::span<glm::vec4> image) const;
 
     [[nodiscard]] const Capture* find(SlotId slot) const;
+    // The screen-aligned picture of an object in a view; null where there is none.
+    [[nodiscard]] const Capture* find_inside(std::uint64_t object, std::uint32_t view) const;
     [[nodiscard]] std::size_t size() const { return captures_.size(); }
 
 private:
