@@ -542,7 +542,7 @@ void SkyFitEvaluator::fill(std::size_t index, std::span<const float> others, int
         cache.sums = aligned_floats(degrees * fit_stride);
     }
     alignas(64) std::array<float, max_fit_rows> w;
-    Normaliser normaliser;
+    Normaliser& normaliser = cache.normaliser;
     weights(index, others, w.data(), normaliser);
     fit_sum_rows({part.rows.get(), part.first.data(), degrees, part.position.empty() ? nullptr : part.position.data()},
                  w.data(), static_cast<std::size_t>(3 * bands * (bands + 1) / 2), cache.sums.get());
@@ -558,12 +558,14 @@ void SkyFitEvaluator::fill(std::size_t index, std::span<const float> others, int
         }
         return out;
     }();
-    std::array<float, n> values;
-    for (std::size_t i = 0; i < n; ++i) {
-        const float x = cosines[1][i] * (0.5F * n);
+    const auto factor_at = [&](float x) {
         const float u = (x - part.shift[0]) / part.scale[0];
         const float square = u * u;
-        values[i] = factor(index, x, 2.0F * u / (1.0F + square), (1.0F - square) / (1.0F + square), others, normaliser);
+        return factor(index, x, 2.0F * u / (1.0F + square), (1.0F - square) / (1.0F + square), others, normaliser);
+    };
+    std::array<float, n> values;
+    for (std::size_t i = 0; i < n; ++i) {
+        values[i] = factor_at(cosines[1][i] * (0.5F * n));
     }
     for (std::size_t k = 0; k < n; ++k) {
         float sum = 0.0F;
@@ -571,6 +573,18 @@ void SkyFitEvaluator::fill(std::size_t index, std::span<const float> others, int
             sum += cosines[k][i] * values[i];
         }
         cache.factor[k] = sum;
+    }
+    // A factor that changes too fast for so few terms is made anew for every sun.
+    cache.series = true;
+    for (const float x : {-1.0F, -0.99F, -0.8F, -0.3F, 0.2F, 0.7F, 0.97F, 1.0F}) {
+        std::array<float, n + 1> t;
+        chebyshev(x, n, t.data());
+        float sum = 0.0F;
+        for (std::size_t k = 0; k < n; ++k) {
+            sum += cache.factor[k] * t[k];
+        }
+        const float want = factor_at(x);
+        cache.series = cache.series && std::abs(sum - want) <= 2e-6F * std::abs(want);
     }
     std::copy(others.begin(), others.end(), cache.others.begin());
     cache.bands = bands;
@@ -587,8 +601,9 @@ void SkyFitEvaluator::evaluate(const glm::vec3& to_sun, std::span<const float> o
         fill(index, others, bands);
     }
     const float x = std::clamp(sun.u * part.scale[0] + part.shift[0], -1.0F, 1.0F);
+    const float k = cache.series ? 1.0F : factor(index, x, sun.r, to_sun.z, others, cache.normaliser);
     fit_from_sums(cache.sums.get(), part.first.size() - 1,
-                  {x, 1.0F, cache.factor.data(), sun.cos_a, sun.sin_a, bands, &out[0].x});
+                  {x, k, cache.series ? cache.factor.data() : nullptr, sun.cos_a, sun.sin_a, bands, &out[0].x});
 }
 
 void SkyFitEvaluator::evaluate_uncached(const glm::vec3& to_sun, std::span<const float> others, int bands,

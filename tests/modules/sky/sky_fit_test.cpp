@@ -106,6 +106,32 @@ TEST(SkyFit, FastPathsKeepToTheReference) {
     EXPECT_LT(worst, 4e-6);
 }
 
+// Three axes, and a factor that runs over many powers of ten.
+TEST(SkyFit, FastPathsOfTheAtmospheresFit) {
+    const SkyFit& fit = scattering_fit();
+    SkyFitEvaluator evaluator(fit);
+    std::array<glm::dvec3, 49> want{};
+    std::array<glm::vec3, 49> got{};
+    double worst = 0.0;
+    for (int i = 0; i < 200; ++i) {
+        const std::array<double, 3> p{1.88 * std::fmod(0.618034 * i, 1.0),
+                                      2.0 + 6.0 * std::fmod(0.754878 * (i / 4), 1.0),
+                                      0.8 * std::fmod(0.569840 * (i / 4), 1.0)};
+        const std::array others{static_cast<float>(p[1]), static_cast<float>(p[2])};
+        const glm::vec3 to_sun(glm::dvec3(std::sin(p[0]), 0.0, std::cos(p[0])));
+        for (int bands : {2, 7}) {
+            const auto count = static_cast<std::size_t>(bands * bands);
+            const std::span<const glm::dvec3> reference = std::span(want).first(count);
+            evaluate_fit(fit, p, bands, want);
+            evaluator.evaluate(to_sun, others, bands, std::span(got).first(count));
+            worst = std::max(worst, distance<glm::vec3>(reference, std::span<const glm::vec3>(got).first(count)));
+            evaluator.evaluate_uncached(to_sun, others, bands, std::span(got).first(count));
+            worst = std::max(worst, distance<glm::vec3>(reference, std::span<const glm::vec3>(got).first(count)));
+        }
+    }
+    EXPECT_LT(worst, 2e-5);
+}
+
 TEST(SkyFit, NothingIsWrittenPastTheBandsAskedFor) {
     SkyFitEvaluator evaluator(preetham_fit());
     for (int bands = 1; bands <= 7; ++bands) {
