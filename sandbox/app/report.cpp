@@ -25,11 +25,16 @@ double median(std::vector<double> values) {
 }
 
 Json to_json(const SystemReport& report) {
-    return {{"considered", report.considered},
-            {"updated", report.updated},
-            {"skipped", report.skipped},
-            {"cpu_ms", report.cpu_ms},
-            {"error_bound", report.error_bound}};
+    Json json{{"considered", report.considered},
+              {"updated", report.updated},
+              {"skipped", report.skipped},
+              {"cpu_ms", report.cpu_ms},
+              {"error_bound", report.error_bound}};
+    if (report.tables_rebuilt + report.tables_kept > 0) {
+        json["tables_rebuilt"] = report.tables_rebuilt;
+        json["tables_kept"] = report.tables_kept;
+    }
+    return json;
 }
 
 // The median of one figure of one system over the frames in which it ran.
