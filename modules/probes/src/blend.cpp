@@ -124,7 +124,7 @@ struct Packed {
         for (std::size_t c = 0; c < 8; ++c) {
             const PackedProbe& from = probes[probe(c)];
             const V w = hn::Set(d, weight(c) * from.scale);
-            // The last vector reads the scale as two more values, which are cut off below.
+            // The last vector reads the scale as two more values, which are thrown away.
             const auto* const values = reinterpret_cast<const std::int16_t*>(&from);
             HWY_UNROLL(32)
             for (std::size_t i = 0; i < vectors; ++i) {
@@ -134,12 +134,13 @@ struct Packed {
         }
         HWY_UNROLL(32)
         for (std::size_t i = 0; i < vectors; ++i) {
-            if ((i + 1) * lanes > Count) {
-                const std::size_t left = Count > i * lanes ? Count - i * lanes : 0;
-                sum[i] = hn::IfThenElseZero(hn::FirstN(d, left), sum[i]);
-            }
             hn::Store(sum[i], d, out + i * lanes);
         }
+        // What the means lack stands after the coefficients.
+        for (std::size_t c = 0; c < 3; ++c) {
+            out[c] += out[Count + c] * (1.0F / 32768.0F);
+        }
+        std::fill(out + Count, out + stride(), 0.0F);
     }
 };
 
@@ -228,19 +229,26 @@ void pack_kernel(ProbeGridSh& light, const std::uint32_t* probes, std::size_t co
         if (largest < 1e-33F) { // its inverse would overflow
             continue;
         }
-        // Rounding to half a step takes at most 0.46 steps from the irradiance, (2/3 sqrt(3) sqrt(3 / 4 pi) + 1/4
-        // sqrt(5) sqrt(5 / 4 pi)) / 2; 1.63 steps more in the mean, times sqrt(1 / 4 pi), give it back.
-        constexpr float steps = 32764.0F, lift = 1.63F;
-        const V inverse = hn::Set(d, steps / largest);
+        constexpr float steps = 32764.0F;
+        const float inverse = steps / largest;
         alignas(64) std::int16_t values[32] = {};
         for (std::size_t i = 0; i < stride; i += hn::Lanes(d)) {
-            const auto rounded = hn::NearestInt(hn::Mul(hn::Load(d, from + i), inverse));
+            const auto rounded = hn::NearestInt(hn::Mul(hn::Load(d, from + i), hn::Set(d, inverse)));
             hn::StoreU(hn::DemoteTo(narrow, rounded), narrow, values + i);
         }
+        const auto n = static_cast<std::size_t>(light.order * light.order);
         for (std::size_t c = 0; c < 3; ++c) {
-            if (from[c] > 0.0F) {
-                values[c] = static_cast<std::int16_t>(std::ceil(from[c] * (steps / largest) + lift));
+            // What rounding can take from the irradiance, in steps of the mean: (A_l / pi) sqrt(2 l + 1) |e_l|.
+            float error[3] = {};
+            for (std::size_t i = 1; i < n; ++i) {
+                const float e = from[3 * i + c] * inverse - static_cast<float>(values[3 * i + c]);
+                error[i < 4 ? 1U : 2U] += e * e;
             }
+            const float lift =
+                from[c] > 0.0F ? 1.1547006F * std::sqrt(error[1]) + 0.5590171F * std::sqrt(error[2]) : 0.0F;
+            const float mean = from[c] * inverse + lift, whole = std::nearbyint(mean);
+            values[c] = static_cast<std::int16_t>(whole);
+            values[3 * n + c] = static_cast<std::int16_t>((mean - whole) * 32768.0F);
         }
         std::copy_n(values, to.values.size(), to.values.begin());
         to.scale = largest / steps;

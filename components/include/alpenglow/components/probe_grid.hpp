@@ -43,7 +43,8 @@ struct alignas(64) ProbeLine {
     std::array<float, 16> values{};
 };
 
-// A probe of order 3 or less in one cache line: coefficients 0 .. 26 as values[i] * scale.
+// A probe of order 3 or less in one cache line: value i is values[i] * scale, in the order of
+// ProbeGridSh::coefficients; the three after the last are what the means lack, in units of 2^-15.
 struct alignas(64) PackedProbe {
     std::array<std::int16_t, 30> values{};
     float scale = 0.0F;

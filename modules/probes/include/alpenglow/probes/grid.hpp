@@ -54,8 +54,8 @@ void blend_reference(const ProbeGrid& grid, const ProbeGridSh& light, std::span<
                      std::span<ProbeLine> out);
 
 // The same out of ProbeGridSh::packed, orders up to 3: half the memory to fetch, which is what random places cost.
-// Error below 2e-5 of the largest coefficient of any channel among the corners, 1e-4 for the mean, which is rounded up
-// so far that irradiance that was nowhere negative is not after rounding.
+// Error below 2e-5 of the largest coefficient of any channel among the corners, 4e-5 for the mean, which is raised by
+// what rounding may take from the irradiance, so that what was nowhere negative is not afterwards.
 void blend_packed(const ProbeGrid& grid, const ProbeGridSh& light, std::span<const glm::vec3> positions_m,
                   std::span<ProbeLine> out);
 // Brings ProbeGridSh::packed up to date for some probes; the one in the open has the index of the probes' number.
