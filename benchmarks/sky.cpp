@@ -1,12 +1,16 @@
+// The scattering atmosphere: tables against the oracle, and a day of them.
 #include "bench.hpp"
 #include "sky_support.hpp"
 
 #include <alpenglow/core/constants.hpp>
-#include <alpenglow/sky/scattering.hpp>
+#include <alpenglow/sky/aerial_table.hpp>
+#include <alpenglow/sky/scattering_oracle.hpp>
 #include <alpenglow/sky/scattering_tables.hpp>
+#include <alpenglow/sky/sky_state.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -19,7 +23,7 @@ const Case scattering_case("sky/scattering tables", [](const Context& context) {
     sky::ScatteringTables tables(air);
     Row row{.module = "sky",
             .name = "scattering tables",
-            .method = "sun's light 64 x 128",
+            .method = "sun's light 128 x 128",
             .error_metric = "max absolute, 5 heights to 60 km, sun over the limb",
             .reference = "double, 256 nodes"};
     for (double h : {0.0, 1.3, 7.7, 25.0, 60.0}) {
@@ -32,44 +36,48 @@ const Case scattering_case("sky/scattering tables", [](const Context& context) {
     }
     row.bytes = 4.0 * static_cast<double>(tables.sun().size());
     context.run(row, [&] { tables.build_sun(); });
+    row.method = "scattered light, 10 bands x 33 heights x 112 angles";
+    row.error = 0.0;
+    row.error_metric = "see the sky view";
+    row.bytes = static_cast<double>(tables.field_bytes());
+    context.run(row, [&] { tables.build_field(); });
 
-    // The sky of tables against single scattering in double plus the higher orders of the path tracer.
+    // Each sun's sky against successive orders in double.
     sky::SkyView view;
-    const int paths = context.quick() ? 1000 : 8000;
-    double worst = 0.0;
-    double mean = 0.0;
-    double noise = 0.0;
-    int count = 0;
-    for (double altitude : {60.0, 20.0, 5.0, 0.0}) {
+    row.reference = "successive orders in double, 18 bands";
+    row.bytes = 4.0 * static_cast<double>(view.rows() * view.columns() * sky::sky_view_values);
+    const std::vector<double> altitudes =
+        context.quick() ? std::vector<double>{20.0, 0.0} : std::vector<double>{60.0, 20.0, 5.0, 0.0, -3.0, -6.0, -12.0};
+    for (const double altitude : altitudes) {
+        sky::OracleResolution resolution;
+        resolution.zeniths = 12;
+        resolution.step_rad = altitude > 15.0 ? 0.0175 : 0.0087;
+        const sky::ScatteringOracle oracle(air, (90.0 - altitude) * degree_rad, resolution);
         const double h = altitude * degree_rad;
         const glm::dvec3 sun(std::cos(h), 0.0, std::sin(h));
         view.build(tables, 0.001F, static_cast<float>(sun.z));
-        for (double elevation : {80.0, 35.0, 10.0}) {
-            for (double azimuth : {30.0, 120.0}) {
+        double mean = 0.0;
+        int count = 0;
+        row.error = 0.0;
+        for (const double elevation : {-30.0, 1.0, 3.0, 10.0, 35.0, 80.0}) {
+            for (const double azimuth : {3.0, 40.0, 100.0, 170.0}) {
                 const double e = elevation * degree_rad;
                 const double a = azimuth * degree_rad;
                 const glm::dvec3 v(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
-                const auto more = sky::trace_radiance(air, 0.001, v.z, sun.z, a, paths, 11, 2);
-                const glm::dvec3 want =
-                    sky::single_scattering(air, 0.001, v.z, sun.z, glm::dot(sun, v), 300) + more.mean;
-                const double error = relative(glm::dvec3(view.radiance(glm::vec3(v), glm::vec3(sun))), want);
-                worst = std::max(worst, error);
+                const double error = relative(glm::dvec3(view.radiance(glm::vec3(v), glm::vec3(sun))),
+                                              oracle.radiance(0.001, v.z, a, 200));
+                row.error = std::max(row.error, error);
                 mean += error;
-                noise += glm::length(more.standard_error) / glm::length(want);
                 ++count;
             }
         }
+        row.method = "sky view 108 x 97 (192 around), sun at " + std::to_string(static_cast<int>(altitude));
+        row.error_metric = "max relative RGB, 24 directions; mean " + std::to_string(mean / count);
+        context.run(row, [&] { view.build(tables, 0.001F, static_cast<float>(sun.z)); });
     }
-    row.error = worst;
-    row.error_metric = "max relative RGB, sun 60 to 0 degrees, 24 directions; mean " + std::to_string(mean / count) +
-                       ", of which the reference's own noise " + std::to_string(noise / count);
-    row.reference = "single scattering in double + path tracer";
-    row.method = "multiple scattering 24 x 48 x 18";
-    row.bytes = 4.0 * static_cast<double>(tables.field().size() + tables.aureole().size());
-    context.run(row, [&] { tables.build_field(); });
-    row.method = "sky view 108 x 24 x 12";
-    row.bytes = 4.0 * static_cast<double>(view.values().size());
-    context.run(row, [&] { view.build(tables, 0.001F, 0.5F); });
+    row.error = 0.0;
+    row.error_metric = "is the table";
+    row.reference = "";
     row.method = "radiance from the view, a direction";
     const glm::vec3 sun(0.866F, 0.0F, 0.5F);
     const std::vector<glm::vec3> directions = hemisphere(512);
@@ -79,6 +87,71 @@ const Case scattering_case("sky/scattering tables", [](const Context& context) {
             keep(view.radiance(v, sun));
         }
     });
+    row.items = 1;
+    sky::AerialTable aerial;
+    aerial.build(tables, 0.5F, 0.5F);
+    row.method = "aerial table 32 x 32 x 32";
+    row.bytes = 12.0 * static_cast<double>(aerial.light().size() + aerial.extinction().size());
+    context.run(row, [&] { aerial.build(tables, 0.5F, 0.5F); });
+});
+
+// A day at the equinox, 47 degrees north, in minutes: how often tables are rebuilt, and what the kept ones are off by.
+const Case day_case("sky/scattering day", [](const Context& context) {
+    Atmosphere air;
+    air.model = SkyModel::scattering;
+    air.max_error = 0.02F;
+    CelestialState celestial;
+    celestial.to_moon = {0.0F, 0.0F, -1.0F};
+    SkyState state;
+    SkyTables tables;
+    SkyTables secret;
+    const std::vector<glm::vec3> directions = hemisphere(48);
+    std::vector<glm::vec3> kept(directions.size());
+    std::vector<glm::vec3> now(directions.size());
+    int states = 0;
+    std::uint32_t rebuilt = 0;
+    double worst = 0.0;
+    double step = 0.0; // the largest step of illuminance from minute to minute, relative
+    double before = 0.0;
+    const int minutes = context.quick() ? 720 : 1440;
+    for (int minute = 0; minute < minutes; ++minute) {
+        const double hour_angle = two_pi * minute / 1440.0 - pi;
+        const double latitude = 47.0 * degree_rad;
+        celestial.to_sun = glm::vec3(glm::dvec3(-std::sin(hour_angle), -std::sin(latitude) * std::cos(hour_angle),
+                                                std::cos(latitude) * std::cos(hour_angle)));
+        if (!(sky::drift_bound(state, celestial, air) <= static_cast<double>(air.max_error))) {
+            state = sky::make_sky_state(celestial, air);
+            state.revision = 1;
+            ++states;
+        }
+        rebuilt += sky::update_sky_tables(state, celestial, {.sky_view = true}, tables).rebuilt;
+        const SkyState exact = sky::make_sky_state(celestial, air);
+        if (minute % 15 == 0 && tables.sun_view != nullptr) {
+            secret = tables;
+            secret.sun_view = nullptr;
+            sky::update_sky_tables(exact, celestial, {.sky_view = true}, secret);
+            sky::sky_radiance(state, &tables, directions, kept);
+            sky::sky_radiance(exact, &secret, directions, now);
+            for (std::size_t i = 0; i < kept.size(); ++i) {
+                worst = std::max(worst, relative(glm::dvec3(kept[i]), glm::dvec3(now[i])));
+            }
+        }
+        const sky::DayLight light = sky::level_illuminance(exact, &tables);
+        const double total = static_cast<double>(light.sun_lux.y + light.sky_lux.y + light.moon_lux.y);
+        if (before > 0.0) {
+            step = std::max(step, std::abs(std::log(total / before)));
+        }
+        before = total;
+    }
+    Row row{.module = "sky",
+            .name = "a day of the scattering sky",
+            .method = std::to_string(rebuilt) + " tables and " + std::to_string(states) + " states in " +
+                      std::to_string(minutes) + " minutes, max_error 0.02",
+            .error = worst,
+            .error_metric =
+                "max relative RGB, 48 directions; largest step of illuminance in a minute e^" + std::to_string(step),
+            .reference = "rebuilt in secret"};
+    context.run(row, [&] { keep(sky::update_sky_tables(state, celestial, {.sky_view = true}, tables)); });
 });
 
 } // namespace

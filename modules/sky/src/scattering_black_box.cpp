@@ -27,11 +27,10 @@ SkyBlackBox scattering_black_box(double height_km, int elevations, int azimuths)
             if (!entry) {
                 const Result<ScatteringAtmosphere> air = make_scattering_atmosphere(p[1], 0.35, glm::dvec3(p[2]));
                 ScatteringResolution fine;
-                fine.sun_heights = 128;
-                fine.sun_angles = 512;
-                fine.field_heights = 40;
-                fine.field_angles = 160;
-                fine.field_steps = 64;
+                fine.sun_heights = 256;
+                fine.sun_angles = 256;
+                fine.field_zeniths = 16;
+                fine.field_orders = 7;
                 entry =
                     std::make_shared<ScatteringTables>(air.has_value() ? air.value() : ScatteringAtmosphere{}, fine);
             }

@@ -21,14 +21,11 @@ struct Cell {
     V fraction;
 };
 
-// Where the signed root of `x` lies in a row.
-HWY_INLINE Cell cell_of(const AngleRow& row, V x) {
+HWY_INLINE Cell cell_of(V at, float last) {
     const D d;
-    const V w = hn::CopySign(hn::Sqrt(hn::Abs(x)), x);
-    const V at = hn::Max(hn::Min(hn::Mul(hn::Sub(w, hn::Set(d, row.low)), hn::Set(d, row.scale)), hn::Set(d, row.last)),
-                         hn::Zero(d));
-    const auto index = hn::ConvertTo(DI(), at);
-    return {index, hn::Sub(at, hn::ConvertTo(d, index))};
+    const V held = hn::Max(hn::Min(at, hn::Set(d, last)), hn::Zero(d));
+    const auto index = hn::ConvertTo(DI(), held);
+    return {index, hn::Sub(held, hn::ConvertTo(d, index))};
 }
 
 HWY_INLINE V lookup(const float* values, const Cell& cell) {
@@ -38,35 +35,69 @@ HWY_INLINE V lookup(const float* values, const Cell& cell) {
     return hn::MulAdd(cell.fraction, hn::Sub(b, a), a);
 }
 
-template <std::size_t Kinds>
-HWY_INLINE void single(const MarchStep* steps, std::size_t count, const AngleRow* sun, const float* r0_mu_s,
-                       const float* nu, float (*out)[3][march_lanes]) {
+// The part of a disc over an edge, x its centre's height over its radius: 1/2 + (x sqrt(1 - x^2) + asin x) / pi as a
+// polynomial, error 2e-3.
+HWY_INLINE V disc_part(V x) {
     const D d;
+    const V held = hn::Max(hn::Min(x, hn::Set(d, 1.0F)), hn::Set(d, -1.0F));
+    const V q = hn::Mul(held, held);
+    V p = hn::MulAdd(hn::Set(d, -0.014598F), q, hn::Set(d, -0.015915F));
+    p = hn::MulAdd(p, q, hn::Set(d, -0.106103F));
+    p = hn::MulAdd(p, q, hn::Set(d, 0.636620F));
+    return hn::Max(hn::MulAdd(held, p, hn::Set(d, 0.5F)), hn::Zero(d));
+}
+
+void MarchSingle(const ShellKernel& shell, const MarchStep* steps, std::size_t count, const SunRow* sun,
+                 const float* r0_mu_s, const float* nu, float (*out)[3][march_lanes]) {
+    const D d;
+    const V zero = hn::Zero(d);
+    const V one = hn::Set(d, 1.0F);
+    const bool straight = shell.forward > 1e-6F;
     for (std::size_t lane = 0; lane < march_lanes; lane += hn::Lanes(d)) {
         const V base = hn::LoadU(d, r0_mu_s + lane);
         const V cosine = hn::LoadU(d, nu + lane);
-        V sum[Kinds + 1][3]; // molecules; aerosol by kind
-        for (std::size_t k = 0; k <= Kinds; ++k) {
-            for (std::size_t c = 0; c < 3; ++c) {
-                sum[k][c] = hn::Zero(d);
+        V sum[3][3];
+        for (auto& kind : sum) {
+            for (V& v : kind) {
+                v = zero;
             }
         }
         for (std::size_t i = 0; i < count; ++i) {
             const MarchStep& step = steps[i];
             const V local = hn::Mul(hn::MulAdd(hn::Set(d, step.distance_km), cosine, base), hn::Set(d, step.inverse_r));
-            const Cell cell = cell_of(sun[i], hn::Sub(local, hn::Set(d, step.mu_horizon)));
+            const V over = hn::Sub(local, hn::Set(d, step.mu_horizon));
+            const V part = disc_part(hn::Mul(over, hn::Set(d, step.inverse_sine * shell.inverse_disc)));
+            if (hn::AllTrue(d, hn::Le(part, zero))) {
+                continue;
+            }
+            const Cell cell = cell_of(hn::Mul(hn::Sqrt(hn::Max(over, zero)), hn::Set(d, sun[i].scale)), sun[i].last);
+            const V molecules = lookup(sun[i].values, cell);
+            const V aerosol = lookup(sun[i].values + sun[i].stride, cell);
+            const V ozone = lookup(sun[i].values + 2 * sun[i].stride, cell);
             for (std::size_t c = 0; c < 3; ++c) {
-                const V light = lookup(sun[i].values + c * sun[i].stride, cell);
+                const V depth = hn::MulAdd(
+                    molecules, hn::Set(d, shell.rayleigh[c]),
+                    hn::MulAdd(aerosol, hn::Set(d, shell.mie[c]), hn::Mul(ozone, hn::Set(d, shell.ozone[c]))));
+                const V light = hn::Mul(part, exponential(hn::Neg(depth)));
+                const V scattered = hn::Mul(aerosol, hn::Set(d, shell.mie_scattering[c]));
+                V around = hn::Mul(light, scattered);
+                if (straight) {
+                    const V x = hn::Mul(scattered, hn::Set(d, shell.forward));
+                    // expm1 x: small x by its series.
+                    const V series =
+                        hn::Mul(x, hn::MulAdd(x, hn::MulAdd(x, hn::Set(d, 1.0F / 6.0F), hn::Set(d, 0.5F)), one));
+                    const V grown = hn::IfThenElse(hn::Lt(x, hn::Set(d, 0.02F)), series, hn::Sub(exponential(x), one));
+                    // Where light is nothing, grown may be huge: keep their product finite.
+                    around =
+                        hn::Mul(hn::Mul(light, hn::Min(grown, hn::Set(d, 1e30F))), hn::Set(d, 1.0F / shell.forward));
+                }
                 const V mie = hn::Set(d, step.mie[c]);
                 sum[0][c] = hn::MulAdd(hn::Set(d, step.rayleigh[c]), light, sum[0][c]);
                 sum[1][c] = hn::MulAdd(mie, light, sum[1][c]);
-                for (std::size_t k = 1; k < Kinds; ++k) {
-                    sum[k + 1][c] =
-                        hn::MulAdd(mie, lookup(sun[i].values + (3 * k + c) * sun[i].stride, cell), sum[k + 1][c]);
-                }
+                sum[2][c] = hn::MulAdd(mie, around, sum[2][c]);
             }
         }
-        for (std::size_t k = 0; k <= Kinds; ++k) {
+        for (std::size_t k = 0; k < 3; ++k) {
             for (std::size_t c = 0; c < 3; ++c) {
                 hn::StoreU(sum[k][c], d, &out[k][c][lane]);
             }
@@ -74,18 +105,21 @@ HWY_INLINE void single(const MarchStep* steps, std::size_t count, const AngleRow
     }
 }
 
-void MarchSingle(const MarchStep* steps, std::size_t count, const AngleRow* sun, std::size_t kinds,
-                 const float* r0_mu_s, const float* nu, float (*out)[3][march_lanes]) {
-    if (kinds == 1) {
-        single<1>(steps, count, sun, r0_mu_s, nu, out);
-    } else {
-        single<2>(steps, count, sun, r0_mu_s, nu, out);
-    }
+// acos, error 7e-5 (Abramowitz and Stegun 1964, 4.4.45).
+HWY_INLINE V angle_of(V x) {
+    const D d;
+    const V a = hn::Min(hn::Abs(x), hn::Set(d, 1.0F));
+    V p = hn::MulAdd(hn::Set(d, -0.0187293F), a, hn::Set(d, 0.0742610F));
+    p = hn::MulAdd(p, a, hn::Set(d, -0.2121144F));
+    p = hn::MulAdd(p, a, hn::Set(d, 1.5707288F));
+    const V angle = hn::Mul(p, hn::Sqrt(hn::Sub(hn::Set(d, 1.0F), a)));
+    return hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Sub(hn::Set(d, 3.14159265F), angle), angle);
 }
 
-void MarchField(const MarchStep* steps, std::size_t count, const AngleRow* field, std::size_t functions, float r0,
-                float mu, const float* mu_s, const float* nu, float (*out)[march_lanes]) {
+void MarchField(const MarchStep* steps, std::size_t count, const FieldRow* field, std::size_t modes, float r0, float mu,
+                const float* mu_s, const float* nu, float (*out)[march_lanes]) {
     const D d;
+    const V one = hn::Set(d, 1.0F);
     for (std::size_t lane = 0; lane < march_lanes; lane += hn::Lanes(d)) {
         const V sun = hn::LoadU(d, mu_s + lane);
         const V cosine = hn::LoadU(d, nu + lane);
@@ -93,26 +127,25 @@ void MarchField(const MarchStep* steps, std::size_t count, const AngleRow* field
         V sum[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
         for (std::size_t i = 0; i < count; ++i) {
             const MarchStep& step = steps[i];
+            const FieldRow& row = field[i];
             const V local = hn::Mul(hn::MulAdd(hn::Set(d, step.distance_km), cosine, base), hn::Set(d, step.inverse_r));
-            const Cell cell = cell_of(field[i], hn::Sub(local, hn::Set(d, step.mu_horizon)));
-            // The ray in the step's own frame: z up, x towards the sun.
-            const float z0 = (r0 * mu + step.distance_km) * step.inverse_r;
-            const V z = hn::Set(d, z0);
-            const V sine = hn::Sqrt(hn::Max(hn::NegMulAdd(local, local, hn::Set(d, 1.0F)), hn::Set(d, 1e-8F)));
-            const V x = hn::Div(hn::NegMulAdd(local, z, cosine), sine);
-            // Y_l^m without the phase's sign twice: the field was projected on the same functions.
-            V y[6];
-            y[0] = hn::Set(d, 0.2820947918F);
-            y[1] = hn::Set(d, 0.4886025119F * z0);
-            y[2] = hn::Mul(hn::Set(d, 0.4886025119F), x);
-            y[3] = hn::Set(d, 0.3153915653F * (3.0F * z0 * z0 - 1.0F));
-            y[4] = hn::Mul(hn::Set(d, 1.0925484306F * z0), x);
-            y[5] = hn::Mul(hn::Set(d, 0.5462742153F), hn::MulAdd(hn::Add(x, x), x, hn::Set(d, z0 * z0 - 1.0F)));
-            for (std::size_t f = 0; f < functions; ++f) {
+            const Cell cell =
+                cell_of(hn::Mul(hn::Sub(angle_of(local), hn::Set(d, row.low_rad)), hn::Set(d, row.scale)), row.last);
+            // The ray's azimuth from the sun in the step's own frame.
+            const float z = (r0 * mu + step.distance_km) * step.inverse_r;
+            const V sines = hn::Mul(hn::Set(d, 1.0F - z * z), hn::NegMulAdd(local, local, one));
+            V x = hn::Div(hn::NegMulAdd(local, hn::Set(d, z), cosine), hn::Sqrt(hn::Max(sines, hn::Set(d, 1e-12F))));
+            x = hn::Max(hn::Min(x, one), hn::Neg(one));
+            // cos m phi by Chebyshev's recurrence.
+            V now = one;
+            V next = x;
+            for (std::size_t m = 0; m < modes; ++m) {
                 for (std::size_t c = 0; c < 3; ++c) {
-                    const V value = lookup(field[i].values + (f * 3 + c) * field[i].stride, cell);
-                    sum[c] = hn::MulAdd(y[f], value, sum[c]);
+                    sum[c] = hn::MulAdd(now, lookup(row.values + (m * 3 + c) * row.stride, cell), sum[c]);
                 }
+                const V after = hn::MulSub(hn::Add(x, x), next, now);
+                now = next;
+                next = after;
             }
         }
         for (std::size_t c = 0; c < 3; ++c) {
@@ -127,7 +160,7 @@ constexpr float gauss_x[12] = {0.009219683F, 0.047941372F, 0.115048663F, 0.20634
 constexpr float gauss_w[12] = {0.023587668F, 0.053469663F, 0.080039164F, 0.101583713F, 0.116746268F, 0.124573523F,
                                0.124573523F, 0.116746268F, 0.101583713F, 0.080039164F, 0.053469663F, 0.023587668F};
 
-void ShellTransmittance(const ShellKernel& shell, float height_km, const float* mu, float (*out)[march_lanes]) {
+void ShellColumns(const ShellKernel& shell, float height_km, const float* mu, float (*out)[march_lanes]) {
     const D d;
     const float r = shell.radius_km + height_km;
     const V zero = hn::Zero(d);
@@ -159,16 +192,22 @@ void ShellTransmittance(const ShellKernel& shell, float height_km, const float* 
                 ozone = hn::MulAdd(w, hn::Max(tent, zero), ozone);
             }
         }
-        for (std::size_t c = 0; c < 3; ++c) {
-            const V depth =
-                hn::MulAdd(rayleigh, hn::Set(d, shell.rayleigh[c]),
-                           hn::MulAdd(mie, hn::Set(d, shell.mie[c]), hn::Mul(ozone, hn::Set(d, shell.ozone[c]))));
-            const V t = exponential(hn::Neg(depth));
-            const V around = hn::Mul(mie, hn::Set(d, shell.mie_scattering[c]));
-            hn::StoreU(t, d, &out[c][lane]);
-            hn::StoreU(hn::Mul(t, around), d, &out[3 + c][lane]);
-            hn::StoreU(hn::Mul(hn::Mul(around, around), hn::Mul(t, hn::Set(d, 0.5F))), d, &out[6 + c][lane]);
+        hn::StoreU(rayleigh, d, &out[0][lane]);
+        hn::StoreU(mie, d, &out[1][lane]);
+        hn::StoreU(ozone, d, &out[2][lane]);
+    }
+}
+
+void BlendRows(const float* low, const float* high, const float* low_weights, const float* high_weights,
+               std::size_t stride, std::size_t terms, std::size_t count, float* to) {
+    const D d;
+    for (std::size_t j = 0; j < count; j += hn::Lanes(d)) {
+        V sum = hn::Zero(d);
+        for (std::size_t k = 0; k < terms; ++k) {
+            sum = hn::MulAdd(hn::Set(d, low_weights[k]), hn::LoadU(d, low + k * stride + j), sum);
+            sum = hn::MulAdd(hn::Set(d, high_weights[k]), hn::LoadU(d, high + k * stride + j), sum);
         }
+        hn::StoreU(sum, d, to + j);
     }
 }
 
@@ -181,18 +220,23 @@ namespace alpenglow::sky {
 
 HWY_EXPORT(MarchSingle);
 HWY_EXPORT(MarchField);
-HWY_EXPORT(ShellTransmittance);
+HWY_EXPORT(ShellColumns);
+HWY_EXPORT(BlendRows);
 
-void march_single(const MarchStep* steps, std::size_t count, const AngleRow* sun, std::size_t kinds,
+void march_single(const ShellKernel& shell, const MarchStep* steps, std::size_t count, const SunRow* sun,
                   const float* r0_mu_s, const float* nu, float (*out)[3][march_lanes]) {
-    HWY_DYNAMIC_DISPATCH(MarchSingle)(steps, count, sun, kinds, r0_mu_s, nu, out);
+    HWY_DYNAMIC_DISPATCH(MarchSingle)(shell, steps, count, sun, r0_mu_s, nu, out);
 }
-void march_field(const MarchStep* steps, std::size_t count, const AngleRow* field, std::size_t functions, float r0,
+void march_field(const MarchStep* steps, std::size_t count, const FieldRow* field, std::size_t modes, float r0,
                  float mu, const float* mu_s, const float* nu, float (*out)[march_lanes]) {
-    HWY_DYNAMIC_DISPATCH(MarchField)(steps, count, field, functions, r0, mu, mu_s, nu, out);
+    HWY_DYNAMIC_DISPATCH(MarchField)(steps, count, field, modes, r0, mu, mu_s, nu, out);
 }
-void shell_transmittance(const ShellKernel& shell, float height_km, const float* mu, float (*out)[march_lanes]) {
-    HWY_DYNAMIC_DISPATCH(ShellTransmittance)(shell, height_km, mu, out);
+void shell_columns(const ShellKernel& shell, float height_km, const float* mu, float (*out)[march_lanes]) {
+    HWY_DYNAMIC_DISPATCH(ShellColumns)(shell, height_km, mu, out);
+}
+void blend_rows(const float* low, const float* high, const float* low_weights, const float* high_weights,
+                std::size_t stride, std::size_t terms, std::size_t count, float* to) {
+    HWY_DYNAMIC_DISPATCH(BlendRows)(low, high, low_weights, high_weights, stride, terms, count, to);
 }
 
 } // namespace alpenglow::sky

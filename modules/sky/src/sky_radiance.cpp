@@ -2,6 +2,7 @@
 #include "sky_model.hpp"
 
 #include <alpenglow/core/constants.hpp>
+#include <alpenglow/sky/aerial_table.hpp>
 #include <alpenglow/sky/scattering_tables.hpp>
 #include <alpenglow/sky/sky_fit.hpp>
 #include <alpenglow/sky/sky_sh.hpp>
@@ -119,6 +120,23 @@ void sky_radiance(const SkyState& state, const SkyTables* tables, std::span<cons
         add_view(tables->sun_view.get(), state.to_sun, state.fade, directions, out);
         add_view(tables->moon_view.get(), state.to_moon, state.moon_fade, directions, out);
     }
+}
+
+AerialPerspective sky_aerial_perspective(const SkyState& state, const SkyTables* tables, const glm::vec3& direction,
+                                         float distance_km) {
+    AerialPerspective out{glm::vec3(1.0F), glm::vec3(0.0F)};
+    const auto add = [&](const AerialTable* table, const glm::vec3& to_light, float scale) {
+        if (table != nullptr) {
+            const AerialPerspective one = table->evaluate(direction, distance_km, to_light);
+            out.transmittance = one.transmittance;
+            out.in_scatter += scale * one.in_scatter;
+        }
+    };
+    if (tables != nullptr) {
+        add(tables->sun_aerial.get(), state.to_sun, state.fade);
+        add(tables->moon_aerial.get(), state.to_moon, state.moon_fade);
+    }
+    return out;
 }
 
 bool sh_needs_sky_view(const SkyState& state) {

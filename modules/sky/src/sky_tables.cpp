@@ -3,6 +3,7 @@
 #include "sky_model.hpp"
 
 #include <alpenglow/core/constants.hpp>
+#include <alpenglow/sky/aerial_table.hpp>
 #include <alpenglow/sky/scattering_tables.hpp>
 #include <alpenglow/sky/sky_state.hpp>
 
@@ -88,31 +89,44 @@ SkyTableWork update_sky_tables(const SkyState& state, const CelestialState& cele
     const double moon = altitude_rad(celestial.to_moon);
     const bool sunlit = state.fade > 0.0F;
     const bool moonlit = state.moon_fade > 0.0F;
-    const auto view = [&](bool wanted, double altitude, double& made, std::shared_ptr<const SkyView>& to) {
+    // A view or an aerial table for one light.
+    const auto update = [&]<class Table>(bool wanted, double altitude, double& made, std::uint32_t& revision,
+                                         float made_height_m, std::shared_ptr<const Table>& to) {
         if (!wanted) {
             to = nullptr;
             return;
         }
-        const double moved = height_rate_per_m * std::abs(double(state.height_m) - double(tables.view_height_m));
+        const double moved = height_rate_per_m * std::abs(double(state.height_m) - double(made_height_m));
         if (to != nullptr && keep(altitude_bound(made, altitude) + moved)) {
             return;
         }
-        auto built = std::make_shared<SkyView>();
+        auto built = std::make_shared<Table>();
         built->build(*tables.atmosphere, 1e-3F * state.height_m, static_cast<float>(std::sin(altitude)));
         to = std::move(built);
         made = altitude;
-        ++tables.view_revision;
+        ++revision;
         ++work.rebuilt;
     };
-    if (tables.view_height_m != state.height_m &&
-        height_rate_per_m * std::abs(double(state.height_m) - double(tables.view_height_m)) > limit) {
-        tables.sun_view = tables.moon_view = nullptr;
-    }
-    if (tables.sun_view == nullptr && tables.moon_view == nullptr) {
-        tables.view_height_m = state.height_m;
-    }
-    view(needs.sky_view && sunlit, sun, tables.sun_altitude_rad, tables.sun_view);
-    view(needs.sky_view && moonlit, moon, tables.moon_altitude_rad, tables.moon_view);
+    // Both lights' tables share a height: both go when it has changed.
+    const auto height = [&](float& made_height_m, auto& of_sun, auto& of_moon) {
+        if (height_rate_per_m * std::abs(double(state.height_m) - double(made_height_m)) > limit) {
+            of_sun = nullptr;
+            of_moon = nullptr;
+        }
+        if (of_sun == nullptr && of_moon == nullptr) {
+            made_height_m = state.height_m;
+        }
+    };
+    height(tables.view_height_m, tables.sun_view, tables.moon_view);
+    update(needs.sky_view && sunlit, sun, tables.sun_altitude_rad, tables.view_revision, tables.view_height_m,
+           tables.sun_view);
+    update(needs.sky_view && moonlit, moon, tables.moon_altitude_rad, tables.view_revision, tables.view_height_m,
+           tables.moon_view);
+    height(tables.aerial_height_m, tables.sun_aerial, tables.moon_aerial);
+    update(needs.aerial_perspective && sunlit, sun, tables.aerial_sun_altitude_rad, tables.aerial_revision,
+           tables.aerial_height_m, tables.sun_aerial);
+    update(needs.aerial_perspective && moonlit, moon, tables.aerial_moon_altitude_rad, tables.aerial_revision,
+           tables.aerial_height_m, tables.moon_aerial);
     return work;
 }
 

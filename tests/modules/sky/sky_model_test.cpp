@@ -76,7 +76,7 @@ TEST(SkyModels, ShIsTheProjectionOfTheRadiance) {
             std::array<glm::vec3, 9> c{};
             project_sky_state(scene.state, &scene.tables, 3, c);
             // The shipped fit of the scattering sky is for an error of its own.
-            const double tolerance = model == SkyModel::scattering ? 0.03 : 0.004;
+            const double tolerance = model == SkyModel::scattering ? 0.012 : 0.004;
             EXPECT_NEAR(luminance(c[0]) / (0.2820948 * w * horizontal), 1.0, tolerance)
                 << int(model) << ' ' << altitude;
             EXPECT_NEAR(luminance(c[2]) / (0.4886025 * w * linear.z), 1.0, tolerance) << int(model) << ' ' << altitude;
@@ -192,23 +192,23 @@ TEST(SkyModels, TableBoundHolds) {
     Scene secret;
     int rebuilt = 0;
     int steps = 0;
-    double altitude = -19.0;
-    while (altitude < 70.0) {
-        scene.celestial.to_sun = secret.celestial.to_sun = towards(altitude, 30.0);
-        const SkyTableWork work = scene.make(air);
-        rebuilt += static_cast<int>(work.rebuilt);
-        if (work.rebuilt == 0 && ++steps % 7 == 0) {
-            secret.tables = scene.tables;
-            secret.tables.sun_view = nullptr;
-            secret.make(air);
-            sky_radiance(scene.state, &scene.tables, directions, kept);
-            sky_radiance(secret.state, &secret.tables, directions, now);
-            for (std::size_t i = 0; i < kept.size(); ++i) {
-                EXPECT_LE(glm::length(kept[i] - now[i]), (work.error_bound + 1e-5) * glm::length(now[i]))
-                    << altitude << ' ' << directions[i].z;
+    for (const auto& [from, to] : {std::pair{-16.5, -15.5}, {-7.0, -5.5}, {-1.2, 1.5}, {4.0, 5.5}, {20.0, 26.0}}) {
+        for (double altitude = from; altitude < to; altitude += altitude < 6.0 ? 0.021 : 0.21) {
+            scene.celestial.to_sun = secret.celestial.to_sun = towards(altitude, 30.0);
+            const SkyTableWork work = scene.make(air);
+            rebuilt += static_cast<int>(work.rebuilt);
+            if (work.rebuilt == 0 && ++steps % 7 == 0) {
+                secret.tables = scene.tables;
+                secret.tables.sun_view = nullptr;
+                secret.make(air);
+                sky_radiance(scene.state, &scene.tables, directions, kept);
+                sky_radiance(secret.state, &secret.tables, directions, now);
+                for (std::size_t i = 0; i < kept.size(); ++i) {
+                    EXPECT_LE(glm::length(kept[i] - now[i]), (work.error_bound + 1e-5) * glm::length(now[i]))
+                        << altitude << ' ' << directions[i].z;
+                }
             }
         }
-        altitude += altitude < 6.0 ? 0.021 : 0.21;
     }
     EXPECT_LT(rebuilt, steps);
 }
@@ -217,7 +217,7 @@ TEST(SkyModels, AirMovesWithinItsBound) {
     const std::vector<glm::vec3> directions = sphere(60);
     std::vector<glm::vec3> kept(directions.size());
     std::vector<glm::vec3> now(directions.size());
-    for (double altitude : {45.0, 3.0, -4.0}) {
+    for (double altitude : {3.0, -4.0}) {
         Scene scene;
         scene.celestial.to_sun = towards(altitude, 30.0);
         Atmosphere air;
@@ -297,6 +297,7 @@ class SkyModelStress : public test::StressTest {};
 TEST_F(SkyModelStress, EveryModelEverywhere) {
     const std::vector<glm::vec3> directions = sphere(40);
     std::vector<glm::vec3> out(directions.size());
+    SkyTables made; // the scattering air is the same throughout
     for (const SkyModel model : all_models) {
         for (const double altitude : {90.0, 30.0, 1e-7, 0.0, -1e-7, -0.3, -6.0, -18.0, -19.0, -90.0}) {
             for (const double height : {-400.0, 0.0, 12e3, 80e3}) {
@@ -313,7 +314,11 @@ TEST_F(SkyModelStress, EveryModelEverywhere) {
                     if (model == SkyModel::scattering && (type == 15 || height == 0.0)) {
                         continue; // tables take their time
                     }
+                    scene.tables = made;
                     scene.make(air, height);
+                    if (model == SkyModel::scattering) {
+                        made = scene.tables;
+                    }
                     sky_radiance(scene.state, &scene.tables, directions, out);
                     for (const glm::vec3& v : out) {
                         ASSERT_TRUE(std::isfinite(v.x + v.y + v.z)) << int(model) << ' ' << altitude;

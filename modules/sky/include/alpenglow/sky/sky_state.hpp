@@ -5,6 +5,7 @@
 #include <alpenglow/components/celestial.hpp>
 #include <alpenglow/components/sky.hpp>
 #include <alpenglow/core/result.hpp>
+#include <alpenglow/sky/aerial_perspective.hpp>
 #include <alpenglow/sky/preetham.hpp>
 
 #include <cstdint>
@@ -47,6 +48,11 @@ SkyTableWork update_sky_tables(const SkyState& state, const CelestialState& cele
 // ground. `tables` are read by SkyModel::scattering alone, and must hold a sky view then: without one it is black.
 void sky_radiance(const SkyState& state, const SkyTables* tables, std::span<const glm::vec3> directions,
                   std::span<glm::vec3> out);
+
+// What the air of SkyModel::scattering takes and adds over a distance towards a unit direction, from the aerial tables;
+// no change where there are none. Domes: aerial_perspective.hpp has the closed form.
+[[nodiscard]] AerialPerspective sky_aerial_perspective(const SkyState& state, const SkyTables* tables,
+                                                       const glm::vec3& direction, float distance_km);
 
 // The sky of a state, night floor included, on spherical harmonics: cd/m^2, bands * bands coefficients in the local
 // frame (bands 1 .. 7). Nothing comes from below the horizon. `tables` as above, where sh_needs_sky_view().
