@@ -237,12 +237,7 @@ TransferObjects make_transfer_objects(const World& world, const TransferSettings
     { // A glider, and what it does to the light around.
         TransferObject glider;
         glider.name = "glider";
-        prt::Mesh mesh = subdivided(prt::glider(3.1F), 2);
-        prt::compute_normals(mesh);
-        for (const glm::vec3& p : mesh.positions) {
-            mesh.albedo.push_back(std::abs(p.x) > 2.0F ? glm::vec3(0.40F, 0.05F, 0.025F)
-                                                       : glm::vec3(0.42F, 0.41F, 0.38F));
-        }
+        const prt::Mesh mesh = make_glider(3.3F, n(10));
         glider.mesh = mesh;
         glider.diffuse = diffuse_job(glider.name, mesh, settings_of_all);
         prt::NeighbourhoodSettings around;

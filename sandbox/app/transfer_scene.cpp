@@ -209,7 +209,7 @@ void TransferScene::light_all(const Stage& stage) {
 void TransferScene::move_glider(double dt_s) {
     glider_moved_ = glider_moved_ || dt_s > 0.0;
     moved_s_ += dt_s;
-    const auto along = static_cast<float>(std::fmod(moved_s_ / glider_period_s + 0.75, 1.0) * 2.0 * std::numbers::pi);
+    const auto along = static_cast<float>(std::fmod(moved_s_ / glider_period_s + 0.87, 1.0) * 2.0 * std::numbers::pi);
     Body& body = bodies_[objects_.glider];
     const glm::vec3 centre = bodies_[objects_.mound].position_m;
     body.position_m = centre + glm::vec3(5.2F * std::cos(along), 4.2F * std::sin(along),

@@ -359,6 +359,29 @@ prt::Mesh make_brazier(int around, const glm::vec3& albedo) {
     return mesh;
 }
 
+prt::Mesh make_glider(float half_m, int divisions) {
+    // Ellipsoids that run into each other; what lies within others is never seen.
+    const auto part = [&](int fineness, const glm::vec3& radii, const glm::vec3& at) {
+        prt::Mesh mesh = prt::sphere(1.0F, std::max(2, fineness));
+        for (glm::vec3& p : mesh.positions) {
+            p = half_m * (p * radii + at);
+        }
+        mesh.normals.clear();
+        prt::compute_normals(mesh);
+        return mesh;
+    };
+    prt::Mesh mesh = part(divisions, {1.0F, 0.20F, 0.022F}, {0.0F, 0.08F, 0.05F});                            // wings
+    mesh = prt::merged(std::move(mesh), part(divisions / 2, {0.075F, 0.40F, 0.085F}, {0.0F, 0.16F, 0.0F}));   // body
+    mesh = prt::merged(std::move(mesh), part(divisions / 2, {0.028F, 0.48F, 0.03F}, {0.0F, -0.34F, 0.015F})); // boom
+    mesh = prt::merged(std::move(mesh), part(divisions / 2, {0.30F, 0.075F, 0.014F}, {0.0F, -0.74F, 0.17F})); // tail
+    mesh = prt::merged(std::move(mesh), part(divisions / 2, {0.014F, 0.09F, 0.11F}, {0.0F, -0.73F, 0.09F}));  // fin
+    for (const glm::vec3& p : mesh.positions) {
+        const bool red = std::abs(p.x) > 0.78F * half_m || (p.y < -0.6F * half_m && p.z > 0.1F * half_m);
+        mesh.albedo.push_back(red ? glm::vec3(0.40F, 0.05F, 0.025F) : glm::vec3(0.42F, 0.41F, 0.38F));
+    }
+    return mesh;
+}
+
 prt::Mesh subdivided(prt::Mesh mesh, int times) {
     for (int i = 0; i < times; ++i) {
         std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;

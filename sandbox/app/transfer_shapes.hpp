@@ -27,6 +27,9 @@ namespace alpenglow::sandbox {
 // A bowl on a foot, open above.
 [[nodiscard]] prt::Mesh make_brazier(int around, const glm::vec3& albedo);
 
+// A glider of span 2 `half_m`, nose towards +Y: white, with red tips.
+[[nodiscard]] prt::Mesh make_glider(float half_m, int divisions);
+
 // A mesh whose triangles are cut into four, `times` times.
 [[nodiscard]] prt::Mesh subdivided(prt::Mesh mesh, int times);
 

@@ -330,7 +330,7 @@ TEST(TransferShapes, AllFaceOutwards) {
     const auto white = [](float) { return glm::vec3(0.5F); };
     for (const prt::Mesh& mesh :
          {make_figure(0.08F), make_disc(1.0F, 0.2F, 24, 8, white), make_knot(0.7F, 0.15F, 60, 10, {}),
-          make_ring(0.6F, 0.7F, 0.3F, 40, 3, {}), make_brazier(16, {})}) {
+          make_ring(0.6F, 0.7F, 0.3F, 40, 3, {}), make_brazier(16, {}), make_glider(3.0F, 6)}) {
         ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
         ASSERT_EQ(mesh.albedo.size(), mesh.positions.size());
         std::size_t agree = 0;
