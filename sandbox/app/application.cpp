@@ -62,6 +62,15 @@ Exit write_results(const Session& session, const Options& options, const std::st
             return fail(written.error(), Exit::bad_input);
         }
         say("the picture is in " + picture);
+        if (!session.difference().empty()) {
+            const std::string difference = picture.substr(0, picture.rfind('.')) + "-difference.png";
+            if (const Status differs = write_png(difference, static_cast<int>(extent.width),
+                                                 static_cast<int>(extent.height), session.difference());
+                !differs) {
+                return fail(differs.error(), Exit::bad_input);
+            }
+            say("the difference, 16 times, is in " + difference);
+        }
     }
     if (!options.report.empty()) {
         const Status written = write_file(options.report, to_json(session.report));

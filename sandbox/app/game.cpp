@@ -95,6 +95,7 @@ void Game::enter(const Scene& scene) {
     frame_.air_light = glm::vec3(1.0F);
     frame_.environment = nullptr;
     frame_.probes = nullptr;
+    frame_.impostors = nullptr;
     frame_.transfer = nullptr;
     dome_key_.reset(); // the dome may have been a picture's, the light that below clouds
     parts_ = make_parts(stage_, scene);

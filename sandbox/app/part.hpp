@@ -65,6 +65,10 @@ public:
     virtual void draw_panel(PanelWriter& /*panel*/) {}
     // A key that nobody else took, by its ASCII capital; true where the part takes it.
     virtual bool press(int /*key*/) { return false; }
+    // The frame that was just updated, as it would be drawn without the part's shortcuts, and back again; false where
+    // there is no difference. Then compared() is told what the shortcuts cost in quality.
+    virtual bool show_reference(bool /*reference*/) { return false; }
+    virtual void compared(double /*psnr_db*/) {}
     // Waits for what goes on in the background, so that the frames to come do not depend on its pace: headless runs.
     virtual void wait() {}
 };

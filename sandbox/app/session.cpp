@@ -17,6 +17,7 @@
 #include <alpenglow/core/timing.hpp>
 
 #include "sandbox/app/picture.hpp"
+#include "sandbox/app/picture_difference.hpp"
 #include "sandbox/scene/scene.hpp"
 #include "sandbox/world/landscape_file.hpp"
 
@@ -193,9 +194,45 @@ Status Session::draw(double dt_s) {
     if (window_ == nullptr || options_.frames > 0 || !options_.report.empty()) {
         report.frames.push_back(std::move(frame));
     }
+    if (options_.compare > 0 && window_ == nullptr &&
+        report.frames.size() % static_cast<std::size_t>(options_.compare) == 0) {
+        if (const Status compared = compare(); !compared) {
+            return compared;
+        }
+    }
     if (swapchain_ && !stats->presented) {
         return fit_window();
     }
+    return Ok{};
+}
+
+// Draws the frame once more without the parts' shortcuts, and reports how far the two pictures are apart (`error_bound`:
+// PSNR in dB).
+Status Session::compare() {
+    const auto shown = renderer->read_pixels();
+    if (!shown) {
+        return shown.error();
+    }
+    bool differs = false;
+    for (const std::unique_ptr<Part>& part : game->parts()) {
+        differs = part->show_reference(true) || differs;
+    }
+    if (!differs) {
+        return Ok{};
+    }
+    const Result<DrawStats> drawn = renderer->draw(game->frame(), nullptr, nullptr);
+    const auto reference = drawn ? renderer->read_pixels() : Result<std::vector<std::byte>>(drawn.error());
+    if (!reference) {
+        return reference.error();
+    }
+    PictureDifference difference = picture_difference(*shown, *reference);
+    for (const std::unique_ptr<Part>& part : game->parts()) {
+        if (part->show_reference(false)) {
+            part->compared(difference.psnr_db);
+        }
+    }
+    report.frames.back().systems.push_back({.system = "compare", .error_bound = difference.psnr_db});
+    difference_ = std::move(difference.amplified);
     return Ok{};
 }
 

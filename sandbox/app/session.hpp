@@ -38,6 +38,8 @@ struct Session {
     std::unique_ptr<Game> game;
     std::unique_ptr<Renderer> renderer;
     RunReport report;
+    // RGBA of the last comparison (Options::compare), amplified; empty: none.
+    [[nodiscard]] const std::vector<std::byte>& difference() const { return difference_; }
 
 private:
     Session() = default;
@@ -46,6 +48,7 @@ private:
     Status draw(double dt_s);
     Status act(const Input& input, double dt_s);
     Status fit_window();
+    Status compare();
 
     const vulkan::Device* device_ = nullptr;
     Window* window_ = nullptr;
@@ -57,6 +60,7 @@ private:
     double speed_m_s_ = 60.0;
     double stopped_rate_ = 1.0; // the rate to go on with after Space
     int screenshots_ = 0;
+    std::vector<std::byte> difference_; // of the last comparison
 };
 
 } // namespace alpenglow::sandbox

@@ -22,7 +22,7 @@ constexpr int max_threads = 256;
 
 // Everything is read as text first, so that our messages say what would be right.
 struct Texts {
-    std::string frames, size, time, latitude, longitude, quality, chart, threads;
+    std::string frames, size, time, latitude, longitude, quality, chart, threads, compare;
 };
 
 void declare(CLI::App& app, Options& options, Texts& texts) {
@@ -41,6 +41,7 @@ void declare(CLI::App& app, Options& options, Texts& texts) {
         ->type_name("CHART");
     app.add_option("--device", options.device, "Vulkan device whose name contains this")->type_name("NAME");
     app.add_option("--threads", texts.threads, "Threads for parallel loops (0: all)")->type_name("N");
+    app.add_option("--compare", texts.compare, "Headless: hold every N-th frame against one without impostors")->type_name("N");
     app.add_flag("--hud", options.hud, "Draw the HUD in headless runs too");
     app.add_flag("--validate", options.validate, "Turn the Vulkan validation layer on; any message fails the run");
     app.set_help_flag("");
@@ -148,6 +149,9 @@ Status interpret(const CLI::App& app, const Texts& texts, Options& options) {
             return status;
         }
         options.threads = static_cast<unsigned>(threads);
+    }
+    if (given("--compare") && !(status = read_integer("--compare", texts.compare, 1, max_frames, options.compare))) {
+        return status;
     }
     for (const auto& [name, value] : {std::pair{"--scene", &options.scene}, std::pair{"--out", &options.out},
                                       std::pair{"--report", &options.report}, std::pair{"--device", &options.device}}) {

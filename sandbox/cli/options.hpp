@@ -28,6 +28,7 @@ struct Options {
     std::string device;       // part of the Vulkan device's name; empty: the one with the best type
     unsigned threads = 0;     // for parallel loops; 0: as many as the machine has
     bool validate = false;    // Vulkan validation layer; its messages make the run fail
+    int compare = 0;          // headless: every so many frames is held against one drawn without shortcuts; 0: none
     bool hud = false;         // draw the HUD in headless runs too
     bool list_scenes = false; // print the names and stop
     bool help = false;        // print help_text() and stop

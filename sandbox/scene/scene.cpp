@@ -123,6 +123,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
     const Json* flight = top.object("flight");
     const Json* environment = top.object("environment");
     const Json* probes = top.object("probes");
+    const Json* impostors = top.object("impostors");
     const Json* transfer = top.object("transfer");
     top.no_others();
     if (top.failed()) {
@@ -198,6 +199,14 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
     if (environment != nullptr) {
         Reader section(*environment, file, "environment.");
         scene.environment = read_environment_settings(section);
+        section.no_others();
+        if (section.failed()) {
+            return section.error();
+        }
+    }
+    if (impostors != nullptr) {
+        Reader section(*impostors, file, "impostors.");
+        scene.impostors = read_impostor_settings(section);
         section.no_others();
         if (section.failed()) {
             return section.error();

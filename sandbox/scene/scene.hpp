@@ -15,6 +15,7 @@
 #include "sandbox/scene/cloud_settings.hpp"
 #include "sandbox/scene/flight_settings.hpp"
 #include "sandbox/scene/environment_settings.hpp"
+#include "sandbox/scene/impostor_settings.hpp"
 #include "sandbox/scene/probe_settings.hpp"
 #include "sandbox/scene/transfer_settings.hpp"
 #include "sandbox/world/camera.hpp"
@@ -42,6 +43,7 @@ struct Scene {
     std::optional<CloudSettings> clouds;
     std::optional<FlightSettings> flight; // what the camera follows
     std::optional<EnvironmentSettings> environment; // a picture in place of sky, sun and moon
+    std::optional<ImpostorSettings> impostors; // clouds drawn by their pictures, and aircraft among them
     std::optional<ProbeSettings> probes; // a courtyard lit by probes, with things that move in it
     std::optional<TransferSettings> transfer; // things on a meadow whose light is baked
 };

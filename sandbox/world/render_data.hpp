@@ -16,7 +16,8 @@ namespace alpenglow::sandbox {
 
 struct CloudRenderData;   // cloud_render_data.hpp
 struct EnvironmentRenderData; // environment_render_data.hpp
-struct OverlayRenderData; // overlay_render_data.hpp
+struct ImpostorRenderData; // impostor_render_data.hpp
+struct OverlayRenderData;  // overlay_render_data.hpp
 struct ProbeRenderData;   // probe_render_data.hpp
 struct TransferRenderData; // transfer_render_data.hpp
 
@@ -123,6 +124,7 @@ struct FrameData {
     const CloudRenderData* clouds = nullptr;
     const EnvironmentRenderData* environment = nullptr;
     const ProbeRenderData* probes = nullptr;
+    const ImpostorRenderData* impostors = nullptr;
     const TransferRenderData* transfer = nullptr;
     // A picture for a light probe: without the discs of sun and moon, and without what is not part of the scene.
     bool capturing = false;

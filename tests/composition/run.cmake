@@ -1,0 +1,49 @@
+# Configures and builds the sandbox with sets of modules, and has each build render a frame. All share the compiler's
+# cache where there is one, and one folder of objects a set, so that a second run builds only what has changed.
+find_program(CCACHE ccache)
+if(NOT LAUNCHER AND CCACHE)
+    set(LAUNCHER "${CCACHE}")
+endif()
+set(base "ecs;sh;ephemeris;sky") # the sky, and what its clock and its light need
+if(SETS)
+    set(chosen "${SETS}")
+else()
+    set(chosen sky without-clouds without-prt all)
+endif()
+set(list_of_sky "${base}")
+set(list_of_without-clouds "${base};prt;probes;impostors")
+set(list_of_without-prt "${base};probes;clouds;impostors")
+set(list_of_all "${base};prt;probes;clouds;impostors")
+foreach(name IN LISTS chosen)
+    set(build "${WORK}/${name}")
+    message(STATUS "${name}: ${list_of_${name}}")
+    execute_process(
+        COMMAND "${CMAKE_COMMAND}" -S "${SOURCE}" -B "${build}" -G "${GENERATOR}" -DCMAKE_BUILD_TYPE=Release
+                "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}"
+                "-DALPENGLOW_MODULES=${list_of_${name}}" -DALPENGLOW_ASSERTIONS=ON -DALPENGLOW_WARNINGS_AS_ERRORS=ON
+                -DALPENGLOW_BUILD_TESTS=OFF -DALPENGLOW_BUILD_BENCHMARKS=OFF -DALPENGLOW_BUILD_TOOLS=OFF
+                -DALPENGLOW_INSTALL=OFF
+        OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+    # The landscape takes longer than the rest: the one of the surrounding build serves.
+    if(EXISTS "${LANDSCAPE}")
+        execute_process(COMMAND "${CMAKE_COMMAND}" --build "${build}" --target make_landscape --parallel 2 OUTPUT_QUIET
+                        COMMAND_ERROR_IS_FATAL ANY)
+        file(MAKE_DIRECTORY "${build}/sandbox")
+        file(COPY_FILE "${LANDSCAPE}" "${build}/sandbox/landscape.bin" ONLY_IF_DIFFERENT)
+        file(TOUCH "${build}/sandbox/landscape.bin")
+    endif()
+    execute_process(COMMAND "${CMAKE_COMMAND}" --build "${build}" --target alpenglow-sandbox --parallel 2
+                    OUTPUT_VARIABLE log ERROR_VARIABLE log RESULT_VARIABLE failed)
+    if(failed)
+        message(FATAL_ERROR "${name} does not build:\n${log}")
+    endif()
+    foreach(scene alpine-morning squadron)
+        execute_process(COMMAND "${build}/sandbox/alpenglow-sandbox" --headless --size 160x90 --frames 2 --scene ${scene}
+                                --out "${build}/${scene}.png"
+                        OUTPUT_VARIABLE log ERROR_VARIABLE log RESULT_VARIABLE failed)
+        if(failed)
+            message(FATAL_ERROR "${name} does not run ${scene}:\n${log}")
+        endif()
+        message(STATUS "${name}: ${scene}: ${log}")
+    endforeach()
+endforeach()
