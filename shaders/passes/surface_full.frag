@@ -51,9 +51,11 @@ void main() {
     vec3 reflectance = albedo.rgb;
     float ambient = albedo.a;
     if (!instanced) {
-        Ground g = with_detail(ground_from_texel(texture(grid_image, place.xy)), detail_at(relative_m.xy + frame.camera_m.xy));
+        Ground g = ground_from_texel(texture(grid_image, place.xy));
+        vec3 tint = ground_tint(chroma_of(albedo.rgb), dot(albedo.rgb, luminance_weights), g.luminance);
+        g = with_detail(g, detail_at(relative_m.xy + frame.camera_m.xy));
         n = g.normal;
-        reflectance = chroma_of(albedo.rgb) * g.luminance;
+        reflectance = tint * g.luminance;
         ambient = g.ambient;
     }
     float through = shadow(relative_m, n);

@@ -21,6 +21,13 @@ Ground ground_from_texel(vec4 texel) {
 // An albedo's colour, of luminance 1.
 vec3 chroma_of(vec3 albedo) { return albedo / max(dot(albedo, luminance_weights), 1e-3); }
 
+// The colour of ground whose triangle has the colour `chroma`, of luminance 1, and the luminance `coarse`, where the finer
+// image says `fine`: what is brighter than the triangle is rock, scree or snow that it does not know, and those are grey.
+// Without this they would take the green of the meadows around them.
+vec3 ground_tint(vec3 chroma, float coarse, float fine) {
+    return mix(chroma, vec3(1.0), clamp(1.0 - coarse / max(fine, 1e-3), 0.0, 1.0));
+}
+
 // The ground's grain from a tile of noise: rg: slope, b: noise, both 0 .. 1 with mean 1/2. Steep ground is rocky: there the
 // slopes count. The normal is not made unit again, so that the light's mean over the ground stays what it was.
 Ground with_detail(Ground g, vec3 detail) {

@@ -21,6 +21,7 @@ layout(location = 0) in vec2 ground_m;
 layout(location = 1) in vec3 key_light;
 layout(location = 2) in vec3 sky_light;
 layout(location = 3) in vec3 air;
+layout(location = 4) in vec4 albedo;
 layout(location = 0) out vec4 target;
 
 void main() {
@@ -30,7 +31,9 @@ void main() {
         float fine = 1.0 - smoothstep(3.0, 5.5, depth_m / tiles.x);
         detail += fine * (texture(detail_image, ground_m / tiles.x, -1.0).rgb - 0.5);
     }
-    Ground g = with_detail(ground_from_texel(textureLod(grid_image, grid.x * ground_m + grid.yz, levels.x)), detail);
-    vec3 light = key_light * max(dot(g.normal, frame.key.xyz), 0.0) + sky_light * g.ambient;
+    Ground g = ground_from_texel(textureLod(grid_image, grid.x * ground_m + grid.yz, levels.x));
+    vec3 tint = ground_tint(albedo.rgb, albedo.a, g.luminance);
+    g = with_detail(g, detail);
+    vec3 light = tint * (key_light * max(dot(g.normal, frame.key.xyz), 0.0) + sky_light * g.ambient);
     target = vec4(display(g.luminance * light + air) + dither(), 1.0);
 }

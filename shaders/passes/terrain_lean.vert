@@ -7,9 +7,10 @@
 #include "terrain_grid.glsl"
 
 layout(location = 0) out vec2 ground_m; // place on the map
-layout(location = 1) out vec3 key_light; // radiance that comes back from ground of albedo luminance 1 facing the key light
+layout(location = 1) out vec3 key_light; // radiance that comes back from white ground facing the key light
 layout(location = 2) out vec3 sky_light; // likewise from the rest of the light, without occlusion
 layout(location = 3) out vec3 air;
+layout(location = 4) out vec4 albedo;    // rgb: its colour, of luminance 1; a: its luminance
 
 void main() {
     Surface s = read_surface();
@@ -24,8 +25,8 @@ void main() {
     vec3 other = by_moon ? sun * max(dot(s.normal, frame.to_sun.xyz), 0.0)
                          : moon * max(dot(s.normal, frame.to_moon.xyz), 0.0);
     vec3 transmittance = air_transmittance(s.relative_m);
-    vec3 reflectance = chroma_of(s.albedo) * transmittance;
-    key_light = reflectance * (by_moon ? moon : sun);
-    sky_light = reflectance * (sky_irradiance(s.normal) + other);
+    albedo = vec4(chroma_of(s.albedo), dot(s.albedo, luminance_weights));
+    key_light = transmittance * (by_moon ? moon : sun);
+    sky_light = transmittance * (sky_irradiance(s.normal) + other);
     air = air_light(s.relative_m, transmittance, sky_light_visibility(sun_visible, moon_visible));
 }
