@@ -40,9 +40,50 @@ TEST(CloudMarch, VectorsAndScalarsSeeTheSame) {
                 }
                 ASSERT_NEAR(a.transmittance[i], b.transmittance[i], 1e-4F);
                 ASSERT_NEAR(a.depth_m[i], b.depth_m[i], 1e-2F * b.depth_m[i] + 1e-2F);
+                ASSERT_NEAR(a.spread_m[i], b.spread_m[i], 2e-2F * b.spread_m[i] + 2e-2F);
             }
         }
     }
+}
+
+// Slabs of a ray one after another are the whole ray.
+TEST(CloudMarch, SlabsAddUp) {
+    const Scene scene;
+    const Camera camera = look_at({-60, -20, 50}, {20, 21, 19}, 0.4F, 37, 23);
+    MarchSettings settings;
+    settings.stop_transmittance = 1e-6F;
+    const Picture whole = march(scene.volume, scene.lighting, camera, settings);
+    const CloudLighting::ViewFields fields =
+        scene.lighting.contract(scene.volume.transform().index_from_world(camera.position_m));
+    settings.fields = &fields;
+    Picture sum(camera.width, camera.height);
+    std::vector<float> from(sum.radiance.size(), 0.0F);
+    std::vector<float> to(sum.radiance.size());
+    for (const float edge : {80.0F, 90.0F, 100.0F, 1e6F}) {
+        to.assign(to.size(), edge);
+        settings.from_m = from;
+        settings.scene_depth_m = to;
+        const Picture slab = march(scene.volume, scene.lighting, camera, settings);
+        const Picture plain = march_scalar(scene.volume, scene.lighting, camera, settings);
+        for (std::size_t i = 0; i < sum.radiance.size(); ++i) {
+            ASSERT_NEAR(slab.transmittance[i], plain.transmittance[i], 1e-4F);
+            if (slab.depth_m[i] > 0.0F) {
+                ASSERT_GE(slab.depth_m[i], from[i]);
+                ASSERT_LE(slab.depth_m[i], to[i]);
+            }
+            sum.radiance[i] += sum.transmittance[i] * slab.radiance[i];
+            sum.transmittance[i] *= slab.transmittance[i];
+        }
+        from = to;
+    }
+    double error = 0.0;
+    double norm = 0.0;
+    for (std::size_t i = 0; i < sum.radiance.size(); ++i) {
+        error += std::pow(double(sum.radiance[i].y - whole.radiance[i].y), 2.0);
+        norm += std::pow(double(whole.radiance[i].y), 2.0);
+        EXPECT_NEAR(sum.transmittance[i], whole.transmittance[i], 0.02F); // steps are cut at the edges
+    }
+    EXPECT_LT(std::sqrt(error / norm), 0.005);
 }
 
 TEST(CloudMarch, StepsConverge) {
