@@ -52,15 +52,8 @@ Result<std::shared_ptr<const clouds::BrickVolume>> read_cloud(const CloudFileSet
 CloudScene::CloudScene(Stage& stage, const CloudSettings& wanted) : settings(wanted), registry_(stage.registry) {
     const double start = process_cpu_seconds();
     for (const CloudLayerSettings& layer : settings.layers) {
-        const auto azimuth = static_cast<float>(settings.wind_from_deg * static_cast<float>(degree_rad));
-        const clouds::Weather weather{.type = static_cast<clouds::CloudType>(layer.type),
-                                      .cover = layer.cover,
-                                      .base_m = layer.base_m,
-                                      .top_m = layer.top_m,
-                                      .wind_m_s = -settings.wind_m_s * glm::vec2(std::sin(azimuth), std::cos(azimuth)),
-                                      .seed = static_cast<std::uint32_t>(layer.seed)};
-        add(std::make_shared<clouds::BrickVolume>(clouds::generate(weather, glm::vec2(layer.extent_m), layer.voxel_m)),
-            layer.matter, static_cast<double>(layer.extent_m));
+        add(std::make_shared<clouds::BrickVolume>(layer_grid(settings, layer)), layer.matter,
+            static_cast<double>(layer.extent_m));
     }
     for (const CloudFileSettings& file : settings.files) {
         Result<std::shared_ptr<const clouds::BrickVolume>> volume = read_cloud(file, settings.folder);
@@ -72,6 +65,7 @@ CloudScene::CloudScene(Stage& stage, const CloudSettings& wanted) : settings(wan
     }
     model_s_ = process_cpu_seconds() - start;
     registry_.ctx().emplace<CloudBudget>();
+    reference_ = CloudReference::load(settings, stage.camera);
 }
 
 CloudScene::~CloudScene() {
@@ -158,6 +152,9 @@ void CloudScene::relight(Stage& stage) {
             ++light_revision_;
         }
     }
+    const SkyLightSh& sky = registry_.get<SkyLightSh>(stage.sky);
+    sources_ = clouds::cloud_sources(registry_.get<SkyState>(stage.sky), &sky,
+                                     registry_.get<Atmosphere>(stage.sky).ground_albedo);
     SystemReport report{.system = "cloud_shade", .considered = 2};
     const double start = process_cpu_seconds();
     const std::uint32_t map = shadow_.map().revision;
@@ -168,6 +165,20 @@ void CloudScene::relight(Stage& stage) {
     report.skipped = report.considered - report.updated;
     report.cpu_ms = (process_cpu_seconds() - start) * 1e3;
     stage.reports.push_back(report);
+}
+
+// Once for each state of the light, while the sun is where the reference has it.
+void CloudScene::measure_error() {
+    if (!reference_ || error_light_ == light_revision_ || entities_.empty()) {
+        return;
+    }
+    error_light_ = light_revision_;
+    error_.reset();
+    const CloudLight* light = registry_.try_get<CloudLight>(entities_.front().entity);
+    if (light != nullptr && light->lighting != nullptr && reference_->holds(sources_)) {
+        error_ = reference_->error(*registry_.get<CloudVolume>(entities_.front().entity).volume, *light->lighting,
+                                   sources_.sky);
+    }
 }
 
 // Made again where the light has turned by a quarter of a degree; the wind only moves it.
@@ -317,7 +328,7 @@ void CloudScene::update(Stage& stage) {
 }
 
 void CloudScene::draw_panel(PanelWriter& panel) {
-    constexpr std::array names{"single scattering", "Harris", "octaves", "transport"}; // as CloudMethod
+    constexpr std::array names{"single", "Harris", "octaves", "transport"}; // as CloudMethod
     panel.choice("cloud light", names, settings.method);
     panel.toggle("cloud shadows", settings.shadows);
     panel.slider("wind m/s", settings.wind_m_s, 0.0F, 60.0F);
@@ -327,6 +338,11 @@ void CloudScene::draw_panel(PanelWriter& panel) {
         panel.text(line.data());
     };
     write("clouds     %zu   %.0f %% of the picture", entities_.size(), static_cast<double>(100.0F * covered_));
+    measure_error(); // only where somebody looks
+    if (error_) {
+        write("error      %.3f RMSE  %+.1f %% bias  (noise %.2f)", error_->relative_rmse,
+              100.0 * error_->bias, error_->noise);
+    }
     write("CPU ms     modelled %.0f   light %.1f   march %.1f", model_s_ * 1e3, bake_ms_, march_ms_);
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include <alpenglow/clouds/bricks.hpp>
 #include <alpenglow/components/cloud.hpp>
 
+#include "sandbox/app/cloud_reference.hpp"
 #include "sandbox/app/cloud_shadow_map.hpp"
 #include "sandbox/app/cloud_view.hpp"
 #include "sandbox/app/part.hpp"
@@ -38,6 +40,9 @@ public:
     // All clouds where they are drawn: those of layers several times, for layers repeat.
     [[nodiscard]] std::vector<clouds::LitCloud> lit_clouds(const glm::dvec3& around_m) const;
 
+    // The light that the clouds stand in, as of the last update.
+    [[nodiscard]] const clouds::CloudSources& sources() const { return sources_; }
+
     CloudSettings settings;
     CloudView view;
 
@@ -53,6 +58,7 @@ private:
     void update_shadow(const Stage& stage);
     void shade(Stage& stage);
     void measure_sky(const Stage& stage);
+    void measure_error();
 
     BasicRegistry& registry_;
     std::vector<Item> entities_;
@@ -65,6 +71,10 @@ private:
     double bake_ms_ = 0.0;                       // of update_clouds, the last frame that it worked
     float covered_ = 0.0F;                       // of the screen
     CloudRenderData drawn_;
+    clouds::CloudSources sources_;
+    std::optional<CloudReference> reference_;
+    std::optional<clouds::ImageError> error_; // against it, of `error_light_`
+    std::uint32_t error_light_ = 0;
     CloudShadowMaker shadow_;
     glm::vec3 shadow_from_{0.0F};    // direction of the light that the shadow was made for
     std::uint32_t shadow_light_ = 0; // light_revision_ likewise

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "sandbox/app/cloud_depth.hpp"
@@ -51,13 +52,40 @@ clouds::Camera cloud_camera(const Camera& camera, int width, int height, int div
     return out;
 }
 
+// The fields are those of an eye that saw the nearest cell of the cloud within eye_turn_rad of the same direction, a
+// voxel at least.
+const clouds::CloudLighting::ViewFields* CloudView::fields_for(const clouds::LitCloud& cloud,
+                                                               std::uint32_t light_revision) {
+    const glm::dvec3 eye = camera_.position_m - cloud.offset_m;
+    const clouds::GridTransform& transform = cloud.volume->transform();
+    const glm::dvec3 index = transform.index_from_world(eye);
+    const glm::dvec3 outside = glm::max(
+        glm::max(glm::dvec3(cloud.volume->active_low()) - index, index - glm::dvec3(cloud.volume->active_high())),
+        glm::dvec3(0.0));
+    const double distance = glm::length(outside * transform.voxel_m);
+    const double allowed = std::max(transform.voxel_m.x, static_cast<double>(settings.eye_turn_rad) * distance);
+    for (Eye& known : eyes_) {
+        if (known.lighting == cloud.lighting && known.light_revision == light_revision &&
+            glm::length(known.at_m - eye) <= allowed) {
+            known.used = true;
+            return known.fields.get();
+        }
+    }
+    eyes_.push_back({cloud.lighting, light_revision, eye,
+                     std::make_unique<const clouds::CloudLighting::ViewFields>(cloud.lighting->contract(index)), true});
+    return eyes_.back().fields.get();
+}
+
 void CloudView::start(const CloudsInView& view) {
     job_.clouds = view.clouds;
     job_.fields.clear();
-    for (const clouds::LitCloud& cloud : view.clouds) {
-        job_.fields.push_back(
-            cloud.lighting->contract(cloud.volume->transform().index_from_world(camera_.position_m - cloud.offset_m)));
+    for (Eye& eye : eyes_) {
+        eye.used = false;
     }
+    for (const clouds::LitCloud& cloud : view.clouds) {
+        job_.fields.push_back(fields_for(cloud, view.light_revision));
+    }
+    std::erase_if(eyes_, [](const Eye& eye) { return !eye.used; });
     job_.picture = clouds::Picture(camera_.width, camera_.height);
     job_.rows_done = 0;
     job_.running = true;
@@ -69,6 +97,12 @@ std::size_t CloudView::march_rows(int until) {
     march.optical_step = settings.optical_step;
     march.stop_transmittance = 4e-3F; // an 8-bit step
     march.scene_depth_m = landscape_m_;
+    if (settings.detail_strength > 0.0F) {
+        static const clouds::DetailTexture texture;
+        march.detail = &texture;
+        march.detail_strength = settings.detail_strength;
+        march.detail_cells = settings.detail_cells;
+    }
     march.rect = {0, job_.rows_done, camera_.width, std::min(until, camera_.height)};
     if (!march.rect.empty()) {
         const clouds::Picture rows = clouds::march(job_.clouds, camera_, march, job_.fields);

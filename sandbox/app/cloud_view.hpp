@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -25,9 +26,12 @@ struct CloudViewSettings {
     int still_divisor = 2;      // pixels of the screen a pixel, each way, while the camera stands
     int moving_divisor = 4;     // while it moves
     int spread_frames = 12;     // over which a picture is made where only the wind has moved
+    float eye_turn_rad = 0.03F; // that light's directions may be off by, seen from where the eye has moved to
     float drift_pixels = 0.35F; // of the picture, that clouds may drift before it is made anew
     float step_voxels = 1.0F;
     float optical_step = 0.25F;
+    float detail_strength = 2.2F; // 0: none
+    float detail_cells = 2.0F;    // of its texture a voxel
 };
 
 class CloudView {
@@ -47,7 +51,7 @@ private:
     // A picture in the making.
     struct Job {
         std::vector<clouds::LitCloud> clouds;
-        std::vector<clouds::CloudLighting::ViewFields> fields;
+        std::vector<const clouds::CloudLighting::ViewFields*> fields; // of `eyes_`
         clouds::Picture picture;
         int rows_done = 0;
         bool running = false;
@@ -57,6 +61,17 @@ private:
     std::size_t march_rows(int until);
     void finish();
 
+    // Fields contracted for an eye, kept while the eye has moved little against its distance.
+    struct Eye {
+        const clouds::CloudLighting* lighting = nullptr;
+        std::uint32_t light_revision = 0;
+        glm::dvec3 at_m{0.0}; // relative to the cloud's offset
+        std::unique_ptr<const clouds::CloudLighting::ViewFields> fields;
+        bool used = false;
+    };
+    const clouds::CloudLighting::ViewFields* fields_for(const clouds::LitCloud& cloud, std::uint32_t light_revision);
+
+    std::vector<Eye> eyes_;
     clouds::Camera camera_; // of the picture and of the job
     int divisor_ = 0;
     std::vector<float> landscape_m_;

@@ -56,17 +56,17 @@ glm::vec3 air_transmittance(const gpu::FrameBlock& block, float rise_m, float di
 glm::vec3 air_color(const gpu::FrameBlock& block, const glm::vec3& direction, float clear) {
     const glm::vec2 along =
         glm::vec2(direction) / std::sqrt(std::max(direction.x * direction.x + direction.y * direction.y, 1e-6F));
-    const glm::vec2 towards(block.to_sun);
-    const glm::vec2 sun = towards / std::sqrt(std::max(glm::dot(towards, towards), 1e-12F));
-    const float at = 16.0F * std::sqrt(std::clamp(0.5F - 0.5F * glm::dot(along, sun), 0.0F, 1.0F));
-    const int first = std::min(static_cast<int>(at), 15);
+    const glm::vec2 light(block.haze.y, block.haze.z);
+    const float half_sine = std::sqrt(std::clamp(0.5F - 0.5F * glm::dot(along, light), 0.0F, 1.0F));
+    const float at = 16.0F + 16.0F * (along.x * light.y < along.y * light.x ? -half_sine : half_sine);
+    const int first = std::min(static_cast<int>(at), 31);
     const float part = at - static_cast<float>(first);
     const glm::vec3 far =
         glm::mix(glm::vec3(block.horizon_light[first]), glm::vec3(block.horizon_light[first + 1]), part);
     const glm::vec3 near = glm::mix(glm::vec3(block.near_light[first]), glm::vec3(block.near_light[first + 1]), part);
     const glm::vec3 lit = glm::mix(far, near, clear);
     const float sunlit = 0.5F * (block.haze.x + 1.0F);
-    return glm::mix(glm::min(lit, glm::vec3(block.horizon_light[16])), lit, sunlit);
+    return glm::mix(glm::min(lit, glm::vec3(block.horizon_light[0])), lit, sunlit);
 }
 
 } // namespace

@@ -59,6 +59,7 @@ CloudSettings read_cloud_settings(Reader& section) {
     constexpr std::array<std::string_view, 4> methods{"single-scattering", "harris", "octaves", "transport"};
     CloudSettings settings;
     settings.folder = std::filesystem::path(section.file()).parent_path().string();
+    settings.scene = std::filesystem::path(section.file()).stem().string();
     section.each("layers", [&](Reader& item) { settings.layers.push_back(read_layer(item)); });
     section.each("files", [&](Reader& item) { settings.files.push_back(read_file(item)); });
     section.number("wind_m_s", 0.0, 100.0, settings.wind_m_s);

@@ -48,6 +48,7 @@ struct CloudSettings {
     int method = 3;               // as CloudMethod
     bool shadows = true;          // on terrain and objects
     std::string folder;           // of the scene file
+    std::string scene;            // its name, or the file's
 };
 
 [[nodiscard]] CloudSettings read_cloud_settings(Reader& section);

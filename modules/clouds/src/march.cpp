@@ -48,6 +48,8 @@ struct MarchInput {
     float beam_scale; // 1 / eye extinction over the medium's
     float optical_step, stop;
     bool riemann;
+    const std::uint8_t* detail; // null: none
+    float detail_strength, detail_cells, inverse_most;
 };
 
 // Up to 16 rays, structure of arrays.
@@ -148,6 +150,37 @@ HWY_INLINE V sample_field(const FieldView& f, V px, V py, V pz) {
     };
     const V value = lerp(lerp(row(0), row(sy), ty), lerp(row(sz), row(sy + sz), ty), tz);
     return hn::MulAdd(value, hn::Set(d, f.scale), hn::Set(d, f.offset));
+}
+
+// DetailTexture::sample() at voxels from the volume's corner.
+HWY_INLINE V sample_detail(const MarchInput& in, V px, V py, V pz) {
+    const D d;
+    const DI di;
+    const V cells = hn::Set(d, in.detail_cells);
+    const V x = hn::Mul(px, cells);
+    const V y = hn::Mul(py, cells);
+    const V z = hn::Mul(pz, cells);
+    const VI ix = hn::ConvertTo(di, x);
+    const VI iy = hn::ConvertTo(di, y);
+    const VI iz = hn::ConvertTo(di, z);
+    const V tx = hn::Sub(x, hn::ConvertTo(d, ix));
+    const V ty = hn::Sub(y, hn::ConvertTo(d, iy));
+    const V tz = hn::Sub(z, hn::ConvertTo(d, iz));
+    const VI wrap = hn::Set(di, DetailTexture::size - 1);
+    const VI byte = hn::Set(di, 0xff);
+    const VI side = hn::Set(di, DetailTexture::stride);
+    const VI at =
+        hn::Add(hn::Mul(hn::Add(hn::Mul(hn::And(iz, wrap), side), hn::And(iy, wrap)), side), hn::And(ix, wrap));
+    const auto row = [&](int o) {
+        const VI pair = gather_bytes(in.detail + o, at);
+        const V a = hn::ConvertTo(d, hn::And(pair, byte));
+        const V b = hn::ConvertTo(d, hn::And(hn::ShiftRight<8>(pair), byte));
+        return lerp(a, b, tx);
+    };
+    constexpr int stride = DetailTexture::stride;
+    const V value =
+        lerp(lerp(row(0), row(stride), ty), lerp(row(stride * stride), row(stride * stride + stride), ty), tz);
+    return hn::MulSub(value, hn::Set(d, 2.0F / 255.0F), hn::Set(d, 1.0F));
 }
 
 void sample_points(const BrickView& v, const float* x, const float* y, const float* z, float* out, std::size_t count) {
@@ -270,10 +303,15 @@ void march_packet(const MarchInput& in, Packet& packet) {
         V next = hn::Add(k, width);
         V next_width = one;
         if (!hn::AllFalse(d, filled)) {
-            const V density = hn::IfThenElseZero(filled, sample_brick(in.volume, hn::Max(brick, hn::Zero(di)), ix, iy,
-                                                                      iz, hn::Sub(px, hn::ConvertTo(d, ix)),
-                                                                      hn::Sub(py, hn::ConvertTo(d, iy)),
-                                                                      hn::Sub(pz, hn::ConvertTo(d, iz))));
+            V density = hn::IfThenElseZero(filled, sample_brick(in.volume, hn::Max(brick, hn::Zero(di)), ix, iy, iz,
+                                                                hn::Sub(px, hn::ConvertTo(d, ix)),
+                                                                hn::Sub(py, hn::ConvertTo(d, iy)),
+                                                                hn::Sub(pz, hn::ConvertTo(d, iz))));
+            if (in.detail != nullptr && !hn::AllFalse(d, hn::Gt(density, zero))) {
+                const V weight_of =
+                    hn::Mul(hn::Set(d, in.detail_strength), hn::NegMulAdd(density, hn::Set(d, in.inverse_most), one));
+                density = hn::Mul(density, hn::Max(hn::MulAdd(weight_of, sample_detail(in, px, py, pz), one), zero));
+            }
             const V s = hn::Mul(density, hn::Set(d, in.extinction));
             const V length = hn::Max(hn::Sub(to, from), zero);
             const V tau = hn::Mul(s, length);
@@ -461,6 +499,12 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
     in.optical_step = settings.optical_step;
     in.stop = settings.stop_transmittance;
     in.riemann = lighting.settings().method == LightingMethod::harris;
+    if (settings.detail != nullptr && settings.detail_strength > 0.0F) {
+        in.detail = settings.detail->data().data();
+        in.detail_strength = settings.detail_strength;
+        in.detail_cells = settings.detail_cells;
+        in.inverse_most = 1.0F / volume.max_density();
+    }
     const glm::dvec3 low(volume.active_low() - 1);
     const glm::dvec3 high(volume.active_high() + 1);
     // Packets are tiles four pixels wide: neighbours take the same bricks.

@@ -46,15 +46,13 @@ PixelRect bounds_on_screen(const LitCloud& cloud, const Camera& camera, const Pi
     if (behind > 0) { // the box reaches past the eye's plane: where it ends on the screen is not said by its corners
         return all;
     }
-    const auto clamped = [](double v, int a, int b) {
-        return static_cast<int>(std::clamp(v, double(a), double(b)));
-    };
+    const auto clamped = [](double v, int a, int b) { return static_cast<int>(std::clamp(v, double(a), double(b))); };
     return {clamped(std::floor(x0), all.x0, all.x1), clamped(std::floor(y0), all.y0, all.y1),
             clamped(std::ceil(x1), all.x0, all.x1), clamped(std::ceil(y1), all.y0, all.y1)};
 }
 
 Picture march(std::span<const LitCloud> clouds, const Camera& camera, const MarchSettings& settings,
-              std::span<const CloudLighting::ViewFields> fields) {
+              std::span<const CloudLighting::ViewFields* const> fields) {
     assert(fields.empty() || fields.size() == clouds.size());
     Picture out(camera.width, camera.height);
     struct Seen {
@@ -68,7 +66,7 @@ Picture march(std::span<const LitCloud> clouds, const Camera& camera, const Marc
         if (one.rect.empty()) {
             continue;
         }
-        one.fields = fields.empty() ? nullptr : &fields[c];
+        one.fields = fields.empty() ? nullptr : fields[c];
         Camera moved = camera;
         moved.position_m -= clouds[c].offset_m;
         seen.push_back({march(*clouds[c].volume, *clouds[c].lighting, moved, one), one.rect});
@@ -91,7 +89,8 @@ Picture march(std::span<const LitCloud> clouds, const Camera& camera, const Marc
                     parts.push_back({s.picture.depth_m[pixel], &s.picture});
                 }
             }
-            std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.depth < b.depth; });
+            std::stable_sort(parts.begin(), parts.end(),
+                             [](const Part& a, const Part& b) { return a.depth < b.depth; });
             float weight = 0.0F;
             float depth = 0.0F;
             for (const Part& part : parts) {

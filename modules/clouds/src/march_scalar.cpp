@@ -55,7 +55,12 @@ RayLight march_ray(const BrickVolume& volume, const CloudLighting& lighting, con
         }
         const float t = 0.5F * (from + to);
         const glm::vec3 p = origin + d * t;
-        const float s = extinction * volume.sample(p);
+        float density = volume.sample(p);
+        if (settings.detail != nullptr && density > 0.0F) {
+            const float noise = settings.detail->sample((p - glm::vec3(volume.min())) * settings.detail_cells);
+            density = detailed_density(density, 1.0F / volume.max_density(), settings.detail_strength, noise);
+        }
+        const float s = extinction * density;
         if (s <= 0.0F) {
             continue;
         }

@@ -46,6 +46,51 @@ TEST(CloudMarch, VectorsAndScalarsSeeTheSame) {
     }
 }
 
+TEST(CloudMarch, DetailIsTheSameInVectorsAndAddsNothingWhereNothingIs) {
+    const Scene scene;
+    const DetailTexture texture;
+    MarchSettings settings;
+    settings.detail = &texture;
+    const Camera camera = look_at({-60, -20, 50}, {20, 21, 19}, 0.4F, 37, 23);
+    const Picture plain = march(scene.volume, scene.lighting, camera);
+    const Picture a = march(scene.volume, scene.lighting, camera, settings);
+    const Picture b = march_scalar(scene.volume, scene.lighting, camera, settings);
+    double changed = 0.0;
+    for (std::size_t i = 0; i < a.radiance.size(); ++i) {
+        ASSERT_NEAR(a.radiance[i].g, b.radiance[i].g, 2e-3F * b.radiance[i].g + 2e-4F);
+        ASSERT_NEAR(a.transmittance[i], b.transmittance[i], 1e-4F);
+        if (plain.transmittance[i] == 1.0F) {
+            EXPECT_EQ(a.transmittance[i], 1.0F);
+        }
+        changed += double(std::abs(a.transmittance[i] - plain.transmittance[i]));
+    }
+    EXPECT_GT(changed, 1.0);
+    settings.detail_strength = 0.0F;
+    EXPECT_EQ(march(scene.volume, scene.lighting, camera, settings).transmittance, plain.transmittance);
+}
+
+TEST(CloudDetail, RepeatsWithoutASeamAndHasNoMean) {
+    const DetailTexture texture(3);
+    double sum = 0.0;
+    double largest_step = 0.0;
+    for (int z = 0; z < 64; z += 3) {
+        for (int y = 0; y < 64; y += 3) {
+            for (int x = 0; x < 64; ++x) {
+                const glm::vec3 at = glm::vec3(x, y, z) + glm::vec3(0.25F, 0.5F, 0.75F);
+                const float value = texture.sample(at);
+                ASSERT_GE(value, -1.0F);
+                ASSERT_LE(value, 1.0F);
+                ASSERT_NEAR(value, texture.sample(at + glm::vec3(64.0F, 128.0F, 192.0F)), 1e-4F);
+                sum += double(value) / (22.0 * 22.0 * 64.0);
+                largest_step =
+                    std::max(largest_step, double(std::abs(texture.sample(at + glm::vec3(1, 0, 0)) - value)));
+            }
+        }
+    }
+    EXPECT_NEAR(sum, 0.0, 0.05);
+    EXPECT_LT(largest_step, 1.0); // a seam would jump
+}
+
 // Slabs of a ray one after another are the whole ray.
 TEST(CloudMarch, SlabsAddUp) {
     const Scene scene;

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include <alpenglow/clouds/detail.hpp>
 #include <alpenglow/clouds/lighting.hpp>
 
 namespace alpenglow::clouds {
@@ -20,7 +21,10 @@ struct MarchSettings {
     float stop_transmittance = 1e-3F;          // rays end here; what is left of them counts as opaque
     std::span<const float> scene_depth_m = {}; // distance to opaque geometry for each pixel; empty: none
     std::span<const float> from_m = {};        // distance at which each pixel's ray starts; empty: at the eye
-    PixelRect rect = {};                       // pixels to march; empty: all
+    const DetailTexture* detail = nullptr; // structure finer than voxels; the light is that of the density without it
+    float detail_strength = 0.8F;          // see detailed_density()
+    float detail_cells = 3.0F;             // of the texture a voxel
+    PixelRect rect = {};                   // pixels to march; empty: all
     // This eye's fields, contracted by the caller; null: march() contracts them. For pictures made piece by piece.
     const CloudLighting::ViewFields* fields = nullptr;
     unsigned threads = 0;
@@ -46,7 +50,7 @@ struct LitCloud {
 // they are taken from near to far by their mean depths. `fields`: one a cloud, as MarchSettings::fields; empty: made
 // here.
 [[nodiscard]] Picture march(std::span<const LitCloud> clouds, const Camera& camera, const MarchSettings& settings = {},
-                            std::span<const CloudLighting::ViewFields> fields = {});
+                            std::span<const CloudLighting::ViewFields* const> fields = {});
 
 // The same, pixel by pixel and in plain code: what tests hold march() to. step_voxels alone matters.
 [[nodiscard]] Picture march_scalar(const BrickVolume& volume, const CloudLighting& lighting, const Camera& camera,
