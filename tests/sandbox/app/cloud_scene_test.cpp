@@ -9,6 +9,9 @@
 
 #include <glm/geometric.hpp>
 
+#include <alpenglow/clouds/modelling.hpp>
+#include <alpenglow/clouds/vdb.hpp>
+
 #include "sandbox/app/camera_flight.hpp"
 #include "sandbox/app/cloud_depth.hpp"
 #include "sandbox/app/cloud_scene.hpp"
@@ -129,6 +132,37 @@ TEST_F(CloudSceneTest, FilesThatAreNoCloudsAreLeftOutAndSaidByName) {
     EXPECT_EQ(game_->part<CloudScene>()->clouds(), 1U);
     update(0.0);
     EXPECT_NE(game_->frame().clouds, nullptr);
+}
+
+TEST_F(CloudSceneTest, AFileDroppedIntoASceneShowsUpWhereItIsPut) {
+    const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "alpenglow_clouds";
+    std::filesystem::create_directories(folder);
+    const clouds::VdbGrid grid = clouds::vdb_from_sparse(clouds::noise_cloud(7, 32), "density");
+    ASSERT_TRUE(clouds::save_vdb((folder / "puff.vdb").string(), std::span(&grid, 1)));
+    Scene scene = cloudy();
+    scene.clouds->layers.clear();
+    scene.clouds->folder = folder.string();
+    CloudFileSettings file;
+    file.path = "puff.vdb";
+    file.scale = 40.0F; // 1 m voxels become 40 m
+    const Camera camera = scene_camera(scene);
+    file.position_m = camera.position_m + 4000.0F * camera.forward() + 1200.0F * camera.up();
+    scene.clouds->files = {file};
+    game_->enter(scene);
+    EXPECT_TRUE(game_->take_problems().empty());
+    update(0.0);
+    const CloudRenderData& clouds = *game_->frame().clouds;
+    // Its middle is 17 degrees above the view's: in the upper half, in the middle column.
+    std::size_t thickest = 0;
+    for (std::size_t i = 0; i < clouds.transmittance.size(); ++i) {
+        thickest = clouds.transmittance[i] < clouds.transmittance[thickest] ? i : thickest;
+    }
+    EXPECT_LT(clouds.transmittance[thickest], 0.2F);
+    EXPECT_NEAR(clouds.distance_m[thickest], 4176.0F, 800.0F);
+    const auto x = static_cast<float>(thickest % static_cast<std::size_t>(clouds.width));
+    const auto y = static_cast<float>(thickest / static_cast<std::size_t>(clouds.width));
+    EXPECT_NEAR(x / static_cast<float>(clouds.width), 0.5F, 0.2F);
+    EXPECT_LT(y / static_cast<float>(clouds.height), 0.5F);
 }
 
 // Energy: what a pixel shows of the clouds is finite, at most the light of a white wall in the sun, and none where
