@@ -109,8 +109,9 @@ SystemReport Game::update_dome() {
     const SkyTables* tables = registry_.try_get<SkyTables>(sky_);
     const std::uint32_t view_revision = tables != nullptr ? tables->view_revision : 0;
     const float over_ground_m = camera.position_m.z - world_->terrain.height_m(glm::vec2(camera.position_m));
-    // Steps that nobody sees.
-    const auto height_step = static_cast<int>(std::max(over_ground_m, 0.0F) / 50.0F);
+    // Steps that nobody sees, where the height over the ground matters.
+    const bool shell = sky().air.model == SkyModel::scattering;
+    const int height_step = shell ? static_cast<int>(std::max(over_ground_m - light_from_above_m, 0.0F) / 50.0F) : 0;
     const DomeKey key{sky().revision, sh.bands, view_revision, height_step};
     if (dome_key_ == key) {
         report.skipped = 1;

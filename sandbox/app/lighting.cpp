@@ -78,9 +78,8 @@ SceneLight scene_light(const CelestialState& celestial, const SkyState& sky, con
 
     std::array<glm::vec3, 9> coefficients{};
     std::copy_n(light.coefficients.begin(), 9, coefficients.begin());
-    constexpr float begin_m = 500.0F;
     constexpr float end_m = 4000.0F;
-    const float up_there = glm::smoothstep(begin_m, end_m, over_ground_m);
+    const float up_there = glm::smoothstep(light_from_above_m, end_m, over_ground_m);
     if (shell && up_there > 0.0F) {
         // At sea level, within the domain of the sky's fit, where no table is needed.
         Atmosphere air = sky.air;

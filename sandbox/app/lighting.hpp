@@ -31,6 +31,9 @@ struct SceneLight {
     float average_luminance_cd_m2 = 0.0F; // of a view that is half sky, half lit ground
 };
 
+// From here up the ground's light begins to differ from the camera's.
+inline constexpr float light_from_above_m = 500.0F;
+
 // `light` has at least 3 bands. `over_ground_m`: how high the camera stands over the ground: from far above, surfaces
 // are lit as at sea level, while `sky` and `light` are those at the camera.
 [[nodiscard]] SceneLight scene_light(const CelestialState& celestial, const SkyState& sky, const SkyTables* tables,
