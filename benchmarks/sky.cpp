@@ -36,7 +36,7 @@ const Case scattering_case("sky/scattering tables", [](const Context& context) {
     }
     row.bytes = 4.0 * static_cast<double>(tables.sun().size());
     context.run(row, [&] { tables.build_sun(); });
-    row.method = "scattered light, 10 bands x 33 heights x 112 angles";
+    row.method = "scattered light, 14 bands x 33 heights x 112 angles";
     row.error = 0.0;
     row.error_metric = "see the sky view";
     row.bytes = static_cast<double>(tables.field_bytes());

@@ -62,7 +62,7 @@ struct ShellRay {
 
 template <class T>
 std::vector<ShellRay<T>> make_rays(const ScatteringAtmosphere& air, const std::vector<double>& heights, int zeniths,
-                                   double forward) {
+                                   std::size_t all_tangents, double forward) {
     const std::size_t shells = heights.size();
     const double ground = air.ground_radius_km;
     std::vector<ShellRay<T>> rays;
@@ -103,17 +103,21 @@ std::vector<ShellRay<T>> make_rays(const ScatteringAtmosphere& air, const std::v
     }
     const std::size_t first = rays.size();
     for (std::size_t j = 0; j + 1 < shells; ++j) {
-        add(heights[j], 0.0, j, false);
+        if (j < all_tangents || j % 2 == 0) {
+            add(heights[j], 0.0, j, false);
+        }
     }
     // Between the horizon and the level of a shell: trapezoids over the rays that touch the shells below.
     for (std::size_t i = 1; i < shells; ++i) {
-        const std::size_t last = std::min(i, shells - 2);
-        for (std::size_t j = 0; j <= last; ++j) {
-            const double mu = rays[first + j].mu[i - j];
-            const double above = j > 0 ? rays[first + j - 1].mu[i - j + 1] : mu;
-            const double below = j < last ? rays[first + j + 1].mu[i - j - 1] : 0.0;
+        for (std::size_t n = first; n < rays.size() && rays[n].lowest <= i; ++n) {
+            const auto mu_of = [&](std::size_t ray) { return rays[ray].mu[i - rays[ray].lowest]; };
+            const bool last = n + 1 == rays.size() || rays[n + 1].lowest > i;
+            const double mu = mu_of(n);
+            const double above = n > first ? mu_of(n - 1) : mu;
+            const double below = last ? 0.0 : mu_of(n + 1);
             // The level one stands for both of its sides.
-            rays[first + j].weight[i - j] = j == i ? above : 0.5 * (above - mu) + (j < last ? 0.5 : 1.0) * (mu - below);
+            rays[n].weight[i - rays[n].lowest] =
+                rays[n].lowest == i ? above : 0.5 * (above - mu) + (last ? 1.0 : 0.5) * (mu - below);
         }
     }
     return rays;
@@ -272,20 +276,11 @@ void solve(const ScatteringAtmosphere& air, const FieldResolution& resolution, c
     }
 
     SweepShape<T> shape{};
-    shape.bands = bands;
-    shape.azimuths = azimuths;
     shape.count = count;
     shape.row = count + 2 * row_pad;
     shape.g = static_cast<T>(air.mie_g);
     shape.twice = static_cast<T>(mean * mean);
     shape.forward = static_cast<T>(forward);
-    for (std::size_t n = 0; n < azimuths; ++n) {
-        for (std::size_t m = 0; m < bands; ++m) {
-            shape.cosine[n][m] = static_cast<T>(
-                std::cos(static_cast<double>(m) * pi * (static_cast<double>(n) + 0.5) / static_cast<double>(azimuths)));
-        }
-    }
-
     // Rows of one ray: [azimuth][channel], padded.
     const std::size_t all = azimuths * 3 * shape.row;
     std::vector<T> light(all, T(0));
@@ -312,17 +307,32 @@ void solve(const ScatteringAtmosphere& air, const FieldResolution& resolution, c
     std::array<T, most_field_functions> y{};
     const auto shapes_of = [&](const ShellRay<T>& ray, std::size_t k, bool up, double factor) {
         const T* from = ray.shapes.data() + k * functions;
+        const T flip = up ? T(1) : T(-1);
         std::size_t f = 0;
-        for (std::size_t m = 0; m < bands; ++m) {
+        for (std::size_t m = 0; m < shape.bands; ++m) {
             T sign = static_cast<T>(factor);
-            const T flip = up ? T(1) : T(-1);
-            for (std::size_t l = m; l < bands; ++l, ++f) {
-                y[f] = sign * from[f];
+            const T* row = from + field_function(resolution.bands, m, m);
+            for (std::size_t l = m; l < shape.bands; ++l, ++f) {
+                y[f] = sign * row[l - m];
                 sign *= flip;
             }
         }
     };
+    // From the third order on light is smooth: fewer bands and azimuths.
+    const auto set_shape = [&](int with_bands, int with_azimuths) {
+        shape.bands = static_cast<std::size_t>(with_bands);
+        shape.azimuths = static_cast<std::size_t>(with_azimuths);
+        for (std::size_t n = 0; n < shape.azimuths; ++n) {
+            for (std::size_t m = 0; m < shape.bands; ++m) {
+                shape.cosine[n][m] = static_cast<T>(
+                    std::cos(static_cast<double>(m) * pi * (static_cast<double>(n) + 0.5) / with_azimuths));
+            }
+        }
+    };
+    set_shape(resolution.bands, resolution.azimuths);
+    std::size_t level_before = level;
     for (int sweep = 1; sweep <= resolution.orders; ++sweep) {
+        const std::size_t level_now = shape.bands * (shape.bands + 1) / 2 * 3 * count;
         std::fill(order.begin(), order.end(), T(0));
         std::fill(ground_next.begin(), ground_next.end(), T(0));
         // The source at a shell towards a direction, into one of the two ends.
@@ -338,7 +348,7 @@ void solve(const ScatteringAtmosphere& air, const FieldResolution& resolution, c
                 return;
             }
             shapes_of(ray, k, up, 1.0);
-            field_source(shape, y.data(), source_r.data() + i * level, source_m.data() + i * level, r, a);
+            field_source(shape, y.data(), source_r.data() + i * level_now, source_m.data() + i * level_now, r, a);
             if (sweep == 2) {
                 aureole_source(shape, z, s, cosine.data(), sine.data(), out.aureole.data() + i * 3 * count, a);
             }
@@ -360,7 +370,7 @@ void solve(const ScatteringAtmosphere& air, const FieldResolution& resolution, c
             if (weight == 0.0) {
                 return;
             }
-            const double w = weight * two_pi / static_cast<double>(azimuths);
+            const double w = weight * two_pi / static_cast<double>(shape.azimuths);
             const T* from = light.data() + row_pad;
             if (sweep == 1) {
                 // The aureole stands apart: it is taken out as if the sky were all around as it is towards the sun.
@@ -370,7 +380,7 @@ void solve(const ScatteringAtmosphere& air, const FieldResolution& resolution, c
                 from = rest.data() + row_pad;
             }
             shapes_of(ray, k, up, w);
-            gather_light(shape, y.data(), from, order.data() + i * level,
+            gather_light(shape, y.data(), from, order.data() + i * level_now,
                          i == 0 && mu > 0.0 ? static_cast<T>(w * mu) : T(0), ground_next.data());
         };
 
@@ -387,7 +397,7 @@ void solve(const ScatteringAtmosphere& air, const FieldResolution& resolution, c
                 near = 1 - near;
             }
             if (ray.ground) {
-                for (std::size_t n = 0; n < azimuths; ++n) {
+                for (std::size_t n = 0; n < shape.azimuths; ++n) {
                     for (std::size_t c = 0; c < 3; ++c) {
                         T* to = light.data() + (n * 3 + c) * shape.row + row_pad;
                         const auto albedo = static_cast<T>(air.ground_albedo[static_cast<int>(c)] / pi);
@@ -439,12 +449,12 @@ void solve(const ScatteringAtmosphere& air, const FieldResolution& resolution, c
             for (std::size_t i = 0; i < shells; ++i) {
                 for (std::size_t c = 0; c < 3; ++c) {
                     for (std::size_t j = 0; j < count; ++j) {
-                        const double a = static_cast<double>(before[i * level + c * count + j]);
-                        const double b = static_cast<double>(order[i * level + c * count + j]);
+                        const double a = static_cast<double>(before[i * level_before + c * count + j]);
+                        const double b = static_cast<double>(order[i * level_now + c * count + j]);
                         const double ratio = a > 0.0 ? std::clamp(b / a, 0.0, 0.9) : 0.0;
                         const T scale = static_cast<T>(1.0 / (1.0 - ratio));
-                        for (std::size_t f = 0; f < functions; ++f) {
-                            order[i * level + (f * 3 + c) * count + j] *= scale;
+                        for (std::size_t f = 0; f < level_now / (3 * count); ++f) {
+                            order[i * level_now + (f * 3 + c) * count + j] *= scale;
                         }
                         if (i == 0) {
                             ground_next[c * count + j] *= scale;
@@ -453,8 +463,16 @@ void solve(const ScatteringAtmosphere& air, const FieldResolution& resolution, c
                 }
             }
         }
-        for (std::size_t k = 0; k < order.size(); ++k) {
-            out.field[k] += order[k];
+        for (std::size_t i = 0; i < shells; ++i) {
+            const T* from = order.data() + i * level_now;
+            for (std::size_t m = 0; m < shape.bands; ++m) {
+                const std::size_t run = (shape.bands - m) * 3 * count; // functions of one m stand together
+                T* to = out.field.data() + i * level + field_function(resolution.bands, m, m) * 3 * count;
+                for (std::size_t k = 0; k < run; ++k) {
+                    to[k] += from[k];
+                }
+                from += run;
+            }
         }
         for (std::size_t k = 0; k < ground_next.size(); ++k) {
             out.ground[k] += ground_next[k];
@@ -463,17 +481,25 @@ void solve(const ScatteringAtmosphere& air, const FieldResolution& resolution, c
             break;
         }
         ground_now = ground_next;
+        const std::size_t bands_now = shape.bands;
+        if (sweep == 2) {
+            set_shape(std::min(resolution.late_bands, resolution.bands),
+                      std::min(resolution.late_azimuths, resolution.azimuths));
+        }
+        const std::size_t level_next = shape.bands * (shape.bands + 1) / 2 * 3 * count;
         // The next source. Rayleigh's bands are 1, 0, 1/10.
         for (std::size_t i = 0; i < shells; ++i) {
-            for (std::size_t m = 0; m < bands; ++m) {
-                for (std::size_t l = m; l < bands; ++l) {
-                    const std::size_t f = field_function(resolution.bands, l, m);
+            for (std::size_t m = 0; m < shape.bands; ++m) {
+                for (std::size_t l = m; l < shape.bands; ++l) {
+                    const std::size_t f = field_function(static_cast<int>(bands_now), l, m);
+                    const std::size_t g = field_function(static_cast<int>(shape.bands), l, m);
                     const auto molecules = static_cast<T>(l == 0 ? 1.0 : l == 2 ? 0.1 : 0.0);
                     const auto aerosol = static_cast<T>(beta[l]);
                     const auto lack = static_cast<T>(beta[l] * beta[l] - std::pow(mean, 2.0 * static_cast<double>(l)));
                     const auto less = static_cast<T>(beta[l] - forward);
                     for (std::size_t c = 0; c < 3; ++c) {
-                        const std::size_t at = i * level + (f * 3 + c) * count;
+                        const std::size_t at = i * level_now + (f * 3 + c) * count;
+                        const std::size_t to = i * level_next + (g * 3 + c) * count;
                         for (std::size_t j = 0; j < count; ++j) {
                             T of_molecules = order[at + j];
                             T of_aerosol = order[at + j] * less;
@@ -484,13 +510,14 @@ void solve(const ScatteringAtmosphere& air, const FieldResolution& resolution, c
                                 // What Henyey-Greenstein's function of the squared mean lacks of the true one.
                                 of_aerosol += peak * lack;
                             }
-                            source_r[at + j] = of_molecules * molecules;
-                            source_m[at + j] = of_aerosol;
+                            source_r[to + j] = of_molecules * molecules;
+                            source_m[to + j] = of_aerosol;
                         }
                     }
                 }
             }
         }
+        level_before = level_now;
         std::swap(before, order);
     }
 }
@@ -504,7 +531,8 @@ void build_scattered_field(const ScatteringAtmosphere& air, const FieldResolutio
     std::array<double, most_field_bands + 1> phase{};
     cornette_shanks_bands(air.mie_g, resolution.bands, phase);
     std::vector<ShellRay<T>> rays =
-        make_rays<T>(air, heights, resolution.zeniths, phase[static_cast<std::size_t>(resolution.bands)]);
+        make_rays<T>(air, heights, resolution.zeniths, static_cast<std::size_t>(resolution.all_tangents),
+                     phase[static_cast<std::size_t>(resolution.bands)]);
     const auto bands = static_cast<std::size_t>(resolution.bands);
     std::array<double, most_field_functions> shapes{};
     for (ShellRay<T>& ray : rays) {

@@ -16,11 +16,13 @@ inline constexpr int most_field_bands = 20;
 inline constexpr std::size_t most_field_functions = 210; // (l, m >= 0), l (l + 1) / 2 + m
 
 struct FieldResolution {
-    int heights = 33;  // shells, by a square law
-    int zeniths = 12;  // rays that meet the ground, from above and from below
-    int azimuths = 12; // over half a circle, 16 at most
-    int orders = 4;    // gathered; the rest by the ratio of the last two
-    int bands = 10;    // of spherical harmonics, 3 to 20
+    int heights = 33;                      // shells, by a square law
+    int zeniths = 12;                      // rays that meet the ground, from above and from below
+    int azimuths = 12;                     // over half a circle, 16 at most
+    int orders = 4;                        // gathered; the rest by the ratio of the last two
+    int bands = 10;                        // of spherical harmonics, 3 to 20
+    int late_bands = 8, late_azimuths = 8; // from the third order on
+    int all_tangents = 9;                  // shells with a ray that touches them; above, every second
 };
 
 // Uniform zenith angles of the sun, count a multiple of 16.

@@ -106,7 +106,9 @@ ScatteringOracle::ScatteringOracle(const ScatteringAtmosphere& air, double sun_z
     size.zeniths = resolution.zeniths;
     size.azimuths = resolution.azimuths;
     size.orders = resolution.orders;
-    size.bands = resolution.bands;
+    size.bands = size.late_bands = resolution.bands;
+    size.late_azimuths = resolution.azimuths;
+    size.all_tangents = resolution.heights;
     const FieldAngles angles{sun_zenith_rad - 0.55 * resolution.angles * resolution.step_rad, resolution.step_rad,
                              resolution.angles};
     const SunAt sun_at = [&](double h, double zenith, glm::dvec3& light, glm::dvec3& depth) {

@@ -110,16 +110,26 @@ HWY_INLINE void expand(const SweepShape<T>& p, const T* y, const T* of_rayleigh,
                 }
                 mode[m] = sum;
             }
-            for (std::size_t n = 0; n < p.azimuths; ++n) {
+            // Mirrored azimuths differ by the sign of odd m.
+            for (std::size_t n = 0; n < p.azimuths / 2; ++n) {
                 const T* cosine = p.cosine[n];
-                auto sum = mode[0];
-                for (std::size_t m = 1; m < p.bands; ++m) {
-                    sum = hn::MulAdd(hn::Set(d, cosine[m]), mode[m], sum);
+                auto even = mode[0];
+                auto odd = hn::Mul(hn::Set(d, cosine[1]), mode[1]);
+                for (std::size_t m = 2; m + 1 < p.bands; m += 2) {
+                    even = hn::MulAdd(hn::Set(d, cosine[m]), mode[m], even);
+                    odd = hn::MulAdd(hn::Set(d, cosine[m + 1]), mode[m + 1], odd);
+                }
+                if (p.bands % 2 == 1) {
+                    even = hn::MulAdd(hn::Set(d, cosine[p.bands - 1]), mode[p.bands - 1], even);
                 }
                 const std::size_t at = (n * 3 + c) * p.row + j;
-                hn::StoreU(sum, d, mie + at);
-                sum = hn::MulAdd(hn::Set(d, cosine[1]), few[1], few[0]);
-                hn::StoreU(hn::MulAdd(hn::Set(d, cosine[2]), few[2], sum), d, rayleigh + at);
+                const std::size_t mirror = ((p.azimuths - 1 - n) * 3 + c) * p.row + j;
+                hn::StoreU(hn::Add(even, odd), d, mie + at);
+                hn::StoreU(hn::Sub(even, odd), d, mie + mirror);
+                even = hn::MulAdd(hn::Set(d, cosine[2]), few[2], few[0]);
+                odd = hn::Mul(hn::Set(d, cosine[1]), few[1]);
+                hn::StoreU(hn::Add(even, odd), d, rayleigh + at);
+                hn::StoreU(hn::Sub(even, odd), d, rayleigh + mirror);
             }
         }
     }

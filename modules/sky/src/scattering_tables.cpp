@@ -121,6 +121,7 @@ void ScatteringTables::build_field() {
     resolution.zeniths = resolution_.field_zeniths;
     resolution.azimuths = resolution_.field_azimuths;
     resolution.orders = resolution_.field_orders;
+    resolution.bands = resolution_.field_bands;
     auto zones = std::make_shared<ScatteredZones>();
     const SunAt sun_at = [this](double height_km, double zenith, glm::dvec3& light, glm::dvec3& depth) {
         const auto h = static_cast<float>(height_km);
@@ -409,9 +410,10 @@ struct SunRows {
     std::vector<float> storage;
     std::array<SunRow, max_steps> rows;
 
-    void fill(const ScatteringTables& tables, const Ray& ray) {
+    // Only the angles that a step can see: its sun's zenith angle is within the ray's angle of `zenith`.
+    void fill(const ScatteringTables& tables, const Ray& ray, double zenith) {
         const auto angles = static_cast<std::size_t>(tables.resolution().sun_angles);
-        storage.resize(max_steps * 3 * angles);
+        storage.resize(max_steps * 3 * angles, 0.0F);
         for (std::size_t i = 0; i < ray.count; ++i) {
             const Bent place = bent_place_of(tables.air().top_km, ray.heights_km[i], tables.resolution().sun_heights);
             const float* from = tables.sun().data() + place.low * 3 * angles;
@@ -419,8 +421,18 @@ struct SunRows {
             const auto b = static_cast<float>(place.w[1]);
             const auto c = static_cast<float>(place.w[2]);
             float* to = storage.data() + i * 3 * angles;
-            for (std::size_t j = 0; j < 3 * angles; ++j) {
-                to[j] = std::max(a * from[j] + b * from[3 * angles + j] + c * from[6 * angles + j], 0.0F);
+            const double horizon = static_cast<double>(ray.steps[i].mu_horizon);
+            const double turn = std::abs(ray.angles_rad[i]) + 1e-4;
+            const double per = static_cast<double>(angles - 1) / static_cast<double>(sun_axis_high);
+            const auto index = [&](double mu) { return std::sqrt(std::max(mu - horizon, 0.0)) * per; };
+            const double least = index(std::cos(std::min(zenith + turn, pi)));
+            const double most = index(std::cos(std::max(zenith - turn, 0.0)));
+            const auto first = std::min(static_cast<std::size_t>(least), angles - 2);
+            const std::size_t end = std::min(static_cast<std::size_t>(most) + 3, angles);
+            for (std::size_t k = 0; k < 3; ++k) {
+                for (std::size_t j = k * angles + first; j < k * angles + end; ++j) {
+                    to[j] = std::max(a * from[j] + b * from[3 * angles + j] + c * from[6 * angles + j], 0.0F);
+                }
             }
             const auto last = static_cast<float>(angles - 1);
             rows[i] = {to, angles, last / sun_axis_high, last - 1e-3F};
@@ -506,7 +518,7 @@ void SkyView::build(const ScatteringTables& tables, float height_km, float mu_s,
         const float mu = cosine_of(static_cast<float>(row));
         const float sine = std::sqrt(std::max(1.0F - mu * mu, 0.0F));
         cut(air, forward, h, mu, std::min<int>(steps, max_steps), ray);
-        sun_rows.fill(tables, ray);
+        sun_rows.fill(tables, ray, zenith);
         cut(air, forward, h, mu, std::min<int>(field_steps, max_steps), coarse);
         field_rows.fill(field, coarse, air.top_km, r, mu);
         for (std::size_t k = 0; k < view_azimuths; ++k) {
@@ -616,8 +628,12 @@ void AerialTable::build(const ScatteringTables& tables, float height_km, float m
         const double mu = root * std::abs(root);
         const auto z = static_cast<float>(mu);
         const float sine = std::sqrt(std::max(1.0F - z * z, 0.0F));
-        // As far as the air reaches: neither into the ground nor out of the shell.
-        const double end = std::min(static_cast<double>(reach_km_), ray_span(air, h, mu).end_km);
+        // The scattered light's source is known as far as the air reaches. Slices go on into the ground, in air as at
+        // its surface, so that the last distance before it lies between two good ones.
+        const RaySpan span = ray_span(air, h, mu);
+        const auto reach = static_cast<double>(reach_km_);
+        const double end = std::min(reach, span.end_km);
+        const double slices_end = span.ground ? reach : end;
         sparse.count = 0;
         for (const double place : places) {
             const AirSample sample = step_at(end * place * place, mu, sparse);
@@ -657,8 +673,8 @@ void AerialTable::build(const ScatteringTables& tables, float height_km, float m
         for (std::size_t k = 0; k < slices && k < max_steps; ++k) {
             const double t = static_cast<double>(k) / static_cast<double>(slices - 1);
             const double before = k > 0 ? static_cast<double>(k - 1) / static_cast<double>(slices - 1) : 0.0;
-            const double near = std::min(static_cast<double>(reach_km_) * before * before, end);
-            far[k] = std::min(static_cast<double>(reach_km_) * t * t, end);
+            const double near = std::min(reach * before * before, slices_end);
+            far[k] = std::min(reach * t * t, slices_end);
             const double length = k > 0 ? far[k] - near : 0.0;
             const AirSample sample = step_at(k > 0 ? 0.5 * (near + far[k]) : 0.0, mu, ray);
             MarchStep& step = ray.steps[ray.count - 1];
@@ -676,10 +692,11 @@ void AerialTable::build(const ScatteringTables& tables, float height_km, float m
             const glm::dvec3 here = sample.extinction - forward * sample.mie;
             extinction_[k * rows + row] = glm::vec3(k > 0 && far[k] > 0.0 ? left[k] / far[k] : here);
         }
-        sun_rows.fill(tables, ray);
+        sun_rows.fill(tables, ray, zenith);
         std::fill(sums.begin(), sums.end(), glm::vec3(0.0F));
         for (std::size_t k = 0; k < ray.count; ++k) {
-            const double at = end > 0.0 ? std::sqrt(static_cast<double>(ray.steps[k].distance_km) / end) : 0.0;
+            const double at =
+                end > 0.0 ? std::min(std::sqrt(static_cast<double>(ray.steps[k].distance_km) / end), 1.0) : 0.0;
             // Lagrange's parabola through the three places.
             const auto a = static_cast<float>(2.0 * (at - 0.5) * (at - 1.0));
             const auto b = static_cast<float>(4.0 * at * (1.0 - at));

@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
                 {FitMap::half_tangent, std::atof(argv[i]) * degree_rad, std::atof(argv[i + 1]) * degree_rad, 0.0},
                 {FitMap::log_offset, 2.0, 8.0, 0.5},
                 {FitMap::linear, 0.0, 0.8, 0.0}};
-            b.box.nodes = {24, 6, 3};
+            b.box.nodes = {24, 8, 4};
             b.box.max_e_mean = std::atof(argv[i + 2]);
             boxes.push_back(b);
         }

@@ -2,7 +2,7 @@
 // seen from a place. Built on the CPU with the widest SIMD at hand, single precision.
 //
 // In the spirit of Bruneton and Neyret 2008 and Hillaire 2020, with other means (docs/sky.md): multiple scattering is
-// solved by successive orders along rays of constant impact parameter and keeps the direction of the light, 10 bands of
+// solved by successive orders along rays of constant impact parameter and keeps the direction of the light, 14 bands of
 // spherical harmonics at each height and sun angle; what those bands cannot hold has terms of its own: the sun's
 // aureole, and the share of the aerosol's scattering that goes straight on (delta-M, Wiscombe 1977).
 #pragma once
@@ -25,6 +25,7 @@ struct ScatteringResolution {
     int field_zeniths = 12;                  // rays to the ground
     int field_azimuths = 12;                 // over half a circle, up to 16
     int field_orders = 4;                    // gathered; the rest of the series by their ratio
+    int field_bands = 14;                    // of spherical harmonics, 3 to 20
 };
 
 // The sun's light at heights h = top t^2 by angles w = sqrt(mu_s - mu_horizon): columns of air up to the top.
@@ -76,7 +77,7 @@ public:
     explicit SkyView(int rows = 108, int columns = 97) : rows_(rows), columns_(columns) {}
 
     // The sun need not be up. `steps` a ray, 128 at most.
-    void build(const ScatteringTables& tables, float height_km, float mu_s, int steps = 64);
+    void build(const ScatteringTables& tables, float height_km, float mu_s, int steps = 48);
 
     // Radiance in cd/m^2 towards a direction of the local frame, without the sun's disc.
     [[nodiscard]] glm::vec3 radiance(const glm::vec3& direction, const glm::vec3& to_sun) const;
