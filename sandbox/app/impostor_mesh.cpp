@@ -18,8 +18,10 @@ float node_at(int i, int texels) {
 }
 
 // Nodes from a depth for each, and the cells in which `seen` finds anything.
+// open_edges: the mesh reaches to the picture's border, where its last texels are held.
 template <class Depth, class Seen>
-PictureMesh make_mesh(const impostors::Frustum& view, const glm::dvec3& origin_m, Depth depth, Seen seen) {
+PictureMesh make_mesh(const impostors::Frustum& view, const glm::dvec3& origin_m, bool open_edges, Depth depth,
+                      Seen seen) {
     PictureMesh mesh;
     mesh.origin_m = origin_m;
     mesh.across = nodes(view.width);
@@ -27,7 +29,9 @@ PictureMesh make_mesh(const impostors::Frustum& view, const glm::dvec3& origin_m
     for (int j = 0; j < down; ++j) {
         for (int i = 0; i < mesh.across; ++i) {
             const glm::vec2 texel(node_at(i, view.width), node_at(j, view.height));
-            const glm::dvec3 ray = view.direction(static_cast<double>(texel.x), static_cast<double>(texel.y));
+            const double x = open_edges ? std::min(i * kMeshCell, view.width) : static_cast<double>(texel.x);
+            const double y = open_edges ? std::min(j * kMeshCell, view.height) : static_cast<double>(texel.y);
+            const glm::dvec3 ray = view.direction(x, y);
             mesh.places.emplace_back(view.eye_m + depth(i, j) * ray - origin_m);
             mesh.texels.push_back(texel);
         }
@@ -75,7 +79,8 @@ PictureMesh picture_mesh(const impostors::Capture& capture, std::size_t layer_in
         return std::clamp(capture.depth_origin_m + capture.depth_scale_m * static_cast<double>(w),
                           std::max(layer.near_m, 1e-3 * layer.far_m), layer.far_m);
     };
-    return make_mesh(capture.view, origin_m, depth, [&](std::size_t i) { return base.colour[i].w > 0.002F; });
+    return make_mesh(capture.view, origin_m, capture.open_edges, depth,
+                     [&](std::size_t i) { return base.colour[i].w > 0.002F; });
 }
 
 PictureMesh picture_mesh(const clouds::Picture& picture, const impostors::Frustum& view) {
@@ -105,7 +110,7 @@ PictureMesh picture_mesh(const clouds::Picture& picture, const impostors::Frustu
         }
         return z < none ? static_cast<double>(z) : 20000.0;
     };
-    return make_mesh(view, view.eye_m, depth, [&](std::size_t i) { return picture.transmittance[i] < 0.998F; });
+    return make_mesh(view, view.eye_m, true, depth, [&](std::size_t i) { return picture.transmittance[i] < 0.998F; });
 }
 
 glm::vec2 texel_in(const impostors::Frustum& view, const glm::dvec3& place_m) {
@@ -148,7 +153,7 @@ void MeshBuilder::add(const PictureMesh& mesh, const glm::vec2& tile, float weig
         if (part != nullptr) {
             const glm::dvec3 v = place - part->eye_m;
             const double z = glm::dot(v, part->forward);
-            if (z > 1e-3) {
+            if (z > 0.01 * glm::length(v)) { // what lies beside the eye is not seen
                 place = part->eye_m + v * (std::clamp(z, part->near_m, part->far_m) / z);
             }
             vertex.share = part->share;

@@ -178,7 +178,7 @@ void ImpostorScene::begin(Stage& stage) {
         const glm::dvec3 forward(craft_[0].axes[1]);
         const glm::dvec3 level = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 0.0, 1.0)));
         const std::vector<Craft> before = squadron_at(path_, 1, time_s_ - 5.0);
-        const glm::dvec3 eye = before[0].position_m + glm::dvec3(0.0, 0.0, 430.0) + 60.0 * level;
+        const glm::dvec3 eye = before[0].position_m + glm::dvec3(0.0, 0.0, 620.0) + 60.0 * level;
         const glm::dvec3 look = craft_[0].position_m + 500.0 * forward - eye;
         stage.camera.position_m = glm::vec3(eye);
         stage.camera.yaw_rad = static_cast<float>(std::atan2(look.x, look.y));
@@ -468,6 +468,7 @@ void ImpostorScene::march_inside(std::size_t index, const impostors::Frustum& vi
     draw_depth(craft_triangles_, view, distance);
     clouds::MarchSettings settings;
     settings.scene_depth_m = distance;
+    settings.optical_step = 0.25F; // as the picture is coarser anyway
     const clouds::Picture marched =
         clouds::march(*kinds_[cloud.kind].volume, *light.lighting, cloud_camera(view, cloud.offset_m), settings);
     picture.texels.resize(distance.size());

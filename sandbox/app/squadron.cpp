@@ -35,7 +35,7 @@ std::vector<glm::dvec3> cloud_places(int count, double field_m, double base_m) {
         const auto n = static_cast<std::uint32_t>(i);
         places.emplace_back((i % side + 0.15 + 0.7 * random_at(3 * n)) * cell - 0.5 * field_m,
                             (i / side + 0.15 + 0.7 * random_at(3 * n + 1)) * cell - 0.5 * field_m,
-                            base_m + 300.0 * random_at(3 * n + 2));
+                            base_m + 120.0 * random_at(3 * n + 2));
     }
     return places;
 }

@@ -11,7 +11,7 @@
 namespace alpenglow::sandbox {
 
 // Where the clouds of a field stand: `count` places over a square of side `field_m` about the landscape's middle, on a
-// jittered grid, their bases within 300 m above `base_m`.
+// jittered grid, their bases within 120 m above `base_m`.
 [[nodiscard]] std::vector<glm::dvec3> cloud_places(int count, double field_m, double base_m);
 
 // A closed path (Catmull and Rom's spline) that leads through some clouds and past others.

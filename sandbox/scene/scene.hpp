@@ -48,7 +48,7 @@ struct Scene {
     std::optional<TransferSettings> transfer; // things on a meadow whose light is baked
 };
 
-inline constexpr std::string_view default_scene = "alpine-morning";
+inline constexpr std::string_view default_scene = "valley-afternoon";
 
 // Names of the scenes in the binary, in the order to show them.
 [[nodiscard]] std::vector<std::string> builtin_scene_names();

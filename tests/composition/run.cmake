@@ -37,7 +37,7 @@ foreach(name IN LISTS chosen)
     if(failed)
         message(FATAL_ERROR "${name} does not build:\n${log}")
     endif()
-    foreach(scene alpine-morning squadron)
+    foreach(scene valley-afternoon squadron)
         execute_process(COMMAND "${build}/sandbox/alpenglow-sandbox" --headless --size 160x90 --frames 2 --scene ${scene}
                                 --out "${build}/${scene}.png"
                         OUTPUT_VARIABLE log ERROR_VARIABLE log RESULT_VARIABLE failed)

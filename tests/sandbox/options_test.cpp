@@ -26,7 +26,7 @@ void expect_error(std::initializer_list<const char*> arguments, const std::strin
 TEST(Options, DefaultsToPlayingTheDefaultScene) {
     const Result<Options> options = parse({});
     ASSERT_TRUE(options);
-    EXPECT_EQ(options->scene, "alpine-morning");
+    EXPECT_EQ(options->scene, "valley-afternoon");
     EXPECT_FALSE(options->headless);
     EXPECT_EQ(options->frames, 0);
     EXPECT_EQ(options->width, 960);
