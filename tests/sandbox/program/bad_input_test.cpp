@@ -83,7 +83,7 @@ TEST_F(BadInput, NoVulkanDevice) {
 }
 
 TEST_F(BadInput, NoDisplayFallsBackToHeadlessAndSaysSo) {
-    const Outcome outcome = run_sandbox("--frames 1 --size 64x36 --out " + in_folder("picture.png"),
+    const Outcome outcome = run_sandbox("--scene noon --frames 1 --size 64x36 --out " + in_folder("picture.png"),
                                         "-u DISPLAY -u WAYLAND_DISPLAY");
     EXPECT_EQ(outcome.code, 0) << outcome.output;
     EXPECT_NE(outcome.output.find("headless"), std::string::npos) << outcome.output;

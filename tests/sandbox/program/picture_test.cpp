@@ -42,23 +42,30 @@ TEST_F(Pictures, NightIsDarkButNotBlack) {
 }
 
 TEST_F(Pictures, SameBytesTwiceAndWithAnyNumberOfThreads) {
-    std::string first;
-    for (const char* environment : {"LP_NUM_THREADS=0", "LP_NUM_THREADS=0", "LP_NUM_THREADS=1", "LP_NUM_THREADS=2",
-                                    "LP_NUM_THREADS=2 ALPENGLOW_THREADS=1", "LP_NUM_THREADS=1 ALPENGLOW_THREADS=3"}) {
-        const Outcome outcome =
-            run_sandbox("--headless --frames 3 --size 320x180 --out " + in_folder("p.png"), environment);
-        ASSERT_EQ(outcome.code, 0) << outcome.output;
-        const std::string bytes = read_file(in_folder("p.png"));
-        ASSERT_FALSE(bytes.empty());
-        if (first.empty()) {
-            first = bytes;
+    const auto expect_same = [&](const char* scene, std::initializer_list<const char*> environments) {
+        std::string first;
+        for (const char* environment : environments) {
+            const Outcome outcome = run_sandbox("--headless --frames 3 --size 320x180 --scene " + std::string(scene) +
+                                                    " --out " + in_folder("p.png"),
+                                                environment);
+            ASSERT_EQ(outcome.code, 0) << outcome.output;
+            const std::string bytes = read_file(in_folder("p.png"));
+            ASSERT_FALSE(bytes.empty());
+            if (first.empty()) {
+                first = bytes;
+            }
+            EXPECT_EQ(bytes == first, true) << scene << ' ' << environment;
         }
-        EXPECT_EQ(bytes == first, true) << environment;
-    }
+    };
+    expect_same("alpine-morning",
+                {"LP_NUM_THREADS=0", "LP_NUM_THREADS=0", "LP_NUM_THREADS=1", "LP_NUM_THREADS=2",
+                 "LP_NUM_THREADS=2 ALPENGLOW_THREADS=1", "LP_NUM_THREADS=1 ALPENGLOW_THREADS=3"});
+    // With clouds, pictures of them, probes and transfer.
+    expect_same("valley-afternoon", {"LP_NUM_THREADS=0 ALPENGLOW_THREADS=3", "LP_NUM_THREADS=2 ALPENGLOW_THREADS=1"});
 }
 
 TEST_F(Pictures, AStaticSceneRecomputesAndUploadsNothing) {
-    const Outcome outcome = run_sandbox("--headless --frames 6 --size 320x180 --out " + in_folder("p.png") +
+    const Outcome outcome = run_sandbox("--headless --scene alpine-morning --frames 6 --size 320x180 --out " + in_folder("p.png") +
                                         " --report " + in_folder("r.json"));
     ASSERT_EQ(outcome.code, 0) << outcome.output;
     const auto report = nlohmann::json::parse(read_file(in_folder("r.json")));
@@ -92,7 +99,7 @@ TEST_F(Pictures, AWindowOpensDrawsAndCloses) {
     if (std::system("command -v xvfb-run >/dev/null") != 0) {
         GTEST_SKIP() << "needs xvfb-run";
     }
-    const std::string command = "xvfb-run -a " ALPENGLOW_SANDBOX " --validate --frames 10 --size 320x180 --out " +
+    const std::string command = "xvfb-run -a " ALPENGLOW_SANDBOX " --validate --scene noon --frames 10 --size 320x180 --out " +
                                 in_folder("w.png") + " 2>" + in_folder("log");
     EXPECT_EQ(std::system(command.c_str()), 0) << read_file(in_folder("log"));
     EXPECT_NE(read_file(in_folder("log")).find("validation: 0 messages"), std::string::npos);
