@@ -168,10 +168,8 @@ void blend(const Context& context) {
     std::vector<ProbeLine> out(receivers * light.lines);
     std::vector<ProbeLine> expected(receivers * light.lines);
     std::vector<ProbeLine> few(512 * light.lines);
-    for (const auto& [name, where] : {std::pair{"anywhere", &anywhere}, std::pair{"in herds", &herds}}) {
-        const auto* positions = where; // Clang 14 captures no structured binding
-        probes::blend_reference(grid, light, *positions, expected);
-        probes::blend(grid, light, *positions, out);
+    // Of `out`, the worst over receivers and coefficients, relative to the receiver's mean.
+    const auto error = [&] {
         double worst = 0.0;
         for (std::size_t r = 0; r < receivers; ++r) {
             const double size = static_cast<double>(expected[r * light.lines].values[0]);
@@ -182,6 +180,12 @@ void blend(const Context& context) {
                                             size);
             }
         }
+        return worst;
+    };
+    for (const auto& [name, where] : {std::pair{"anywhere", &anywhere}, std::pair{"in herds", &herds}}) {
+        const auto* positions = where; // Clang 14 captures no structured binding
+        probes::blend_reference(grid, light, *positions, expected);
+        probes::blend(grid, light, *positions, out);
         Row row;
         row.module = "probes";
         row.name = std::string("blend 1e5 receivers, order 3, ") + name;
@@ -190,7 +194,7 @@ void blend(const Context& context) {
         row.reference = "scalar double";
         row.bytes = static_cast<double>(light.coefficients.size() * sizeof(ProbeLine));
         row.method = "batch, all to memory";
-        row.error = worst;
+        row.error = error();
         context.run(row, [&] { probes::blend(grid, light, *positions, out); });
         row.method = "batch, 512 at a time";
         context.run(row, [&] {
@@ -200,18 +204,8 @@ void blend(const Context& context) {
             }
         });
         probes::blend_packed(grid, light, *positions, out);
-        worst = 0.0;
-        for (std::size_t r = 0; r < receivers; ++r) {
-            const double size = static_cast<double>(expected[r * light.lines].values[0]);
-            for (std::size_t i = 0; i < 27; ++i) {
-                const std::size_t at = r * light.lines + i / 16;
-                worst = std::max(worst, std::abs(static_cast<double>(out[at].values[i % 16]) -
-                                                 static_cast<double>(expected[at].values[i % 16])) /
-                                            size);
-            }
-        }
         row.bytes = static_cast<double>(light.packed.size() * sizeof(PackedProbe));
-        row.error = worst;
+        row.error = error();
         row.method = "packed, all to memory";
         context.run(row, [&] { probes::blend_packed(grid, light, *positions, out); });
         row.method = "packed, 512 at a time";

@@ -136,6 +136,7 @@ SystemReport Game::update_dome() {
             dome_[ring + i].radiance_cd_m2 = radiance[i];
         }
     }
+    set_air();
     dome_revision_ = next_revision();
     report.updated = 1;
     report.cpu_ms = (thread_cpu_seconds() - start) * 1e3;
@@ -200,7 +201,6 @@ void Game::update_frame(double dt_s) {
     frame_.moon_makes_sky = stage_.light.moon_makes_sky;
     frame_.irradiance_matrix = stage_.light.irradiance_matrix;
     frame_.air_radiance_cd_m2 = stage_.light.horizon_radiance_cd_m2;
-    set_air();
 
     frame_.terrain_indices = world_->lod->indices();
     frame_.terrain_indices_revision = world_->lod->revision();

@@ -15,7 +15,7 @@
 #include <alpenglow/sky/horizon_filter.hpp>
 #include <alpenglow/sky/sky_state.hpp>
 
-#include "sandbox/app/tone.hpp"
+#include "sandbox/render/tone.hpp"
 
 namespace alpenglow::sandbox {
 namespace {

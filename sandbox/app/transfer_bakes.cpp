@@ -16,10 +16,14 @@ namespace {
 
 constexpr std::uint64_t recipe = 1; // raise it when a bake's result changes for the same input
 
-template <class T>
-void add(prt::Hasher& hasher, const T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    hasher.add(std::as_bytes(std::span(&value, 1)));
+// What a bake is kept under: the recipe, the kind of bake, and all that its result depends on.
+template <class... Values>
+std::uint64_t key_of(const Values&... values) {
+    static_assert((std::is_trivially_copyable_v<Values> && ...));
+    prt::Hasher hasher;
+    hasher.add(std::as_bytes(std::span(&recipe, 1)));
+    (hasher.add(std::as_bytes(std::span(&values, 1))), ...);
+    return hasher.digest();
 }
 
 Result<std::shared_ptr<const prt::TransferTable>> shared(const prt::TransferField& field) {
@@ -75,20 +79,9 @@ Result<prt::TransferTable> unshadowed_table(const prt::Mesh& mesh, int order) {
 
 BakeJob diffuse_job(std::string name, prt::Mesh mesh, prt::BakeSettings settings) {
     settings.transport = prt::Transport::interreflected;
-    prt::Hasher hasher;
-    add(hasher, recipe);
-    add(hasher, 'd');
-    add(hasher, prt::mesh_hash(mesh));
-    add(hasher, settings.order);
-    add(hasher, settings.sampling);
-    add(hasher, settings.rays);
-    add(hasher, settings.max_error);
-    add(hasher, settings.gather_rays);
-    add(hasher, settings.max_bounces);
-    add(hasher, settings.stop_energy);
-    add(hasher, settings.colour);
-    add(hasher, settings.seed);
-    const std::uint64_t key = hasher.digest();
+    const std::uint64_t key =
+        key_of('d', prt::mesh_hash(mesh), settings.order, settings.sampling, settings.rays, settings.max_error,
+               settings.gather_rays, settings.max_bounces, settings.stop_energy, settings.colour, settings.seed);
     return {std::move(name), key,
             [mesh = std::move(mesh), settings](const prt::ProgressCallback& progress) -> Result<TransferTables> {
                 prt::BakeSettings s = settings;
@@ -114,20 +107,9 @@ BakeJob diffuse_job(std::string name, prt::Mesh mesh, prt::BakeSettings settings
 }
 
 BakeJob glossy_job(std::string name, prt::Mesh mesh, prt::GlossySettings settings) {
-    prt::Hasher hasher;
-    add(hasher, recipe);
-    add(hasher, 'g');
-    add(hasher, prt::mesh_hash(mesh));
-    add(hasher, settings.order);
-    add(hasher, settings.out_order);
-    add(hasher, settings.rays);
-    add(hasher, settings.gather_rays);
-    add(hasher, settings.max_bounces);
-    add(hasher, settings.stop_energy);
-    add(hasher, settings.specular);
-    add(hasher, settings.phong_exponent);
-    add(hasher, settings.seed);
-    const std::uint64_t key = hasher.digest();
+    const std::uint64_t key =
+        key_of('g', prt::mesh_hash(mesh), settings.order, settings.out_order, settings.rays, settings.gather_rays,
+               settings.max_bounces, settings.stop_energy, settings.specular, settings.phong_exponent, settings.seed);
     return {std::move(name), key,
             [mesh = std::move(mesh), settings](const prt::ProgressCallback& progress) -> Result<TransferTables> {
                 std::array<prt::TransferField, 3> fields;
@@ -147,16 +129,8 @@ BakeJob glossy_job(std::string name, prt::Mesh mesh, prt::GlossySettings setting
 
 BakeJob neighbourhood_job(std::string name, prt::Mesh mesh, const prt::Grid& grid,
                           prt::NeighbourhoodSettings settings) {
-    prt::Hasher hasher;
-    add(hasher, recipe);
-    add(hasher, 'n');
-    add(hasher, prt::mesh_hash(mesh));
-    add(hasher, grid);
-    add(hasher, settings.order);
-    add(hasher, settings.out_order);
-    add(hasher, settings.rays);
-    add(hasher, settings.seed);
-    const std::uint64_t key = hasher.digest();
+    const std::uint64_t key =
+        key_of('n', prt::mesh_hash(mesh), grid, settings.order, settings.out_order, settings.rays, settings.seed);
     return {std::move(name), key,
             [mesh = std::move(mesh), grid, settings](const prt::ProgressCallback& progress) -> Result<TransferTables> {
                 std::array<prt::TransferField, 3> fields;
@@ -176,17 +150,10 @@ BakeJob neighbourhood_job(std::string name, prt::Mesh mesh, const prt::Grid& gri
 }
 
 BakeJob volume_job(std::string name, prt::VolumeDensity density, prt::VolumeSettings settings) {
-    prt::Hasher hasher;
-    add(hasher, recipe);
-    add(hasher, 'v');
-    add(hasher, density.grid);
-    hasher.add_values(std::span<const float>(density.extinction_per_m));
-    add(hasher, settings.order);
-    add(hasher, settings.directions);
-    add(hasher, settings.albedo);
-    add(hasher, settings.max_bounces);
-    add(hasher, settings.stop_energy);
-    const std::uint64_t key = hasher.digest();
+    prt::Hasher matter;
+    matter.add_values(std::span<const float>(density.extinction_per_m));
+    const std::uint64_t key = key_of('v', density.grid, matter.digest(), settings.order, settings.directions,
+                                     settings.albedo, settings.max_bounces, settings.stop_energy);
     return {std::move(name), key,
             [density = std::move(density), settings](const prt::ProgressCallback& progress) -> Result<TransferTables> {
                 std::array<prt::TransferField, 3> fields;

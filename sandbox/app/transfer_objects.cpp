@@ -98,6 +98,19 @@ Result<prt::Mesh> imported(const std::string& path) {
     return mesh;
 }
 
+prt::GlossySettings gloss_of(float specular, double phong_exponent) {
+    prt::GlossySettings gloss;
+    gloss.order = transfer_bands;
+    gloss.out_order = transfer_bands;
+    gloss.rays = 1024;
+    gloss.gather_rays = 192;
+    gloss.max_bounces = 2;
+    gloss.default_albedo = 0.1F;
+    gloss.specular = specular;
+    gloss.phong_exponent = static_cast<float>(phong_exponent);
+    return gloss;
+}
+
 } // namespace
 
 TransferObjects make_transfer_objects(const World& world, const TransferSettings& settings) {
@@ -145,17 +158,9 @@ TransferObjects make_transfer_objects(const World& world, const TransferSettings
         knot.mesh = on_disc(body, make_disc(1.35F, disc_thickness_m, n(64), n(22), stone));
         knot.specular = {0.78F, 0.55F, 0.33F};
         knot.phong_exponent = 40.0;
-        prt::GlossySettings gloss;
-        gloss.order = transfer_bands;
-        gloss.out_order = transfer_bands;
-        gloss.rays = 1024;
-        gloss.gather_rays = 192;
-        gloss.max_bounces = 2;
-        gloss.default_albedo = 0.1F;
-        gloss.specular = 0.5F;
-        gloss.phong_exponent = 40.0F;
         knot.diffuse = diffuse_job("knot", knot.mesh, settings_of_all);
-        knot.glossy = glossy_job(knot.name, on_disc(body, make_disc(1.35F, disc_thickness_m, 16, 5, stone)), gloss);
+        knot.glossy = glossy_job(knot.name, on_disc(body, make_disc(1.35F, disc_thickness_m, 16, 5, stone)),
+                                 gloss_of(0.5F, knot.phong_exponent));
         objects.bodies.push_back(std::move(knot));
     }
     { // A ring of gold that lies on white stone: its inside throws a caustic. The plate and the ring are two bodies,
@@ -183,17 +188,8 @@ TransferObjects make_transfer_objects(const World& world, const TransferSettings
         band.glossy_vertices = ring.positions.size();
         band.specular = gold;
         band.phong_exponent = 60.0;
-        prt::GlossySettings gloss;
-        gloss.order = transfer_bands;
-        gloss.out_order = transfer_bands;
-        gloss.rays = 1024;
-        gloss.gather_rays = 192;
-        gloss.max_bounces = 2;
-        gloss.default_albedo = 0.1F;
-        gloss.specular = 0.6F;
-        gloss.phong_exponent = 60.0F;
-        band.glossy =
-            glossy_job("ring's gloss", on_disc(ring, make_disc(1.45F, disc_thickness_m, 16, 5, white)), gloss);
+        band.glossy = glossy_job("ring's gloss", on_disc(ring, make_disc(1.45F, disc_thickness_m, 16, 5, white)),
+                                 gloss_of(0.6F, band.phong_exponent));
         objects.bodies.push_back(std::move(band));
     }
     { // Where the smoke rises.

@@ -13,6 +13,8 @@
 
 #include <alpenglow/core/parallel_for.hpp>
 
+#include "sandbox/render/tone.hpp"
+
 namespace alpenglow::sandbox {
 namespace {
 
@@ -71,18 +73,8 @@ glm::vec3 air_color(const gpu::FrameBlock& block, const glm::vec3& direction, fl
 
 } // namespace
 
-glm::vec3 display_color(const glm::vec3& exposed) {
-    const float brightest = std::clamp(std::max({exposed.r, exposed.g, exposed.b}), 1e-6F, 1e4F);
-    glm::vec3 r = glm::min(exposed / brightest, 1.0F);
-    r += 0.8F * brightest / (brightest + 8.0F) * (1.0F - r);
-    const glm::vec3 rest = 1.0F - r;
-    const float curve = std::min(
-        brightest * (brightest + 0.26093F) / (brightest * (0.99189F * brightest + 0.37611F) + 0.061396F), 1.0F);
-    return curve * glm::sqrt(glm::max(r, 0.0F)) * (1.0F + 0.14F * rest * rest);
-}
-
 CloudImage make_cloud_image(const CloudRenderData& clouds, const FrameData& frame, const gpu::FrameBlock& block,
-                            std::uint32_t screen_width, std::uint32_t screen_height, bool display) {
+                            std::uint32_t screen_width, std::uint32_t screen_height, bool for_display) {
     CloudImage image;
     const View view = view_of(clouds, frame, screen_width, screen_height);
     const auto width = static_cast<std::size_t>(clouds.width);
@@ -105,7 +97,7 @@ CloudImage make_cloud_image(const CloudRenderData& clouds, const FrameData& fram
                 const glm::vec3 radiance = clouds.radiance_cd_m2[pixel] * frame.exposure * through +
                                            air_color(block, direction, through.g) * (1.0F - through) * alpha;
                 encoded[pixel] = glm::vec4(
-                    display ? display_color(radiance / alpha) * alpha : glm::min(radiance, glm::vec3(6e4F)), alpha);
+                    for_display ? display(radiance / alpha) * alpha : glm::min(radiance, glm::vec3(6e4F)), alpha);
                 depth[pixel] = distance / length;
             }
         }
@@ -136,10 +128,10 @@ CloudImage make_cloud_image(const CloudRenderData& clouds, const FrameData& fram
             }
         }
     }
-    const std::size_t texel = display ? 4 : 8;
+    const std::size_t texel = for_display ? 4 : 8;
     image.texels.resize(width * height * texel);
     for (std::size_t pixel = 0; pixel < filled.size(); ++pixel) {
-        if (display) {
+        if (for_display) {
             const glm::uint32 packed = glm::packUnorm4x8(filled[pixel]);
             std::memcpy(image.texels.data() + 4 * pixel, &packed, 4);
         } else {

@@ -26,12 +26,9 @@ struct CloudImage {
     std::vector<CloudVertex> vertices; // two triangles a tile, whole
 };
 
-// `block`: of the same frame. `display`: 8-bit display colours; otherwise half floats.
+// `block`: of the same frame. `for_display`: 8-bit display colours; otherwise half floats.
 [[nodiscard]] CloudImage make_cloud_image(const CloudRenderData& clouds, const FrameData& frame,
                                           const gpu::FrameBlock& block, std::uint32_t screen_width,
-                                          std::uint32_t screen_height, bool display);
-
-// tone.glsl's display().
-[[nodiscard]] glm::vec3 display_color(const glm::vec3& exposed);
+                                          std::uint32_t screen_height, bool for_display);
 
 } // namespace alpenglow::sandbox

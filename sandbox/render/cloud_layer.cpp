@@ -39,33 +39,22 @@ Status CloudLayer::create() {
         context_.device,
         {vertex_shader(clouds_vert, "passes/clouds.vert"), fragment_shader(clouds_frag, "passes/clouds.frag")},
         {context_.quality == Quality::full ? 1U : 0U}, options, context_.shader_directory);
-    const std::array<VkDescriptorPoolSize, 1> sizes{
-        {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, context_.frames_in_flight}}};
-    Result<vulkan::DescriptorPool> pool =
-        vulkan::create_descriptor_pool(context_.device, context_.frames_in_flight, sizes);
-    Result<vulkan::Sampler> sampler = vulkan::create_sampler(context_.device, {});
-    if (!pipeline || !pool || !sampler) {
-        return !pipeline ? pipeline.error() : !pool ? pool.error() : sampler.error();
+    Result<ImageSets> sets =
+        ImageSets::create(context_.device, context_.passes.image_set.get(), context_.frames_in_flight);
+    if (!pipeline || !sets) {
+        return !pipeline ? pipeline.error() : sets.error();
     }
-    descriptors_ = std::move(pool).value();
-    sampler_ = std::move(sampler).value();
-    slots_.resize(context_.frames_in_flight);
-    for (Slot& slot : slots_) {
-        Result<VkDescriptorSet> set =
-            vulkan::allocate_descriptor_set(context_.device, descriptors_.get(), context_.passes.image_set.get());
-        if (!set) {
-            return set.error();
-        }
-        slot.set = *set;
-    }
+    sets_ = std::move(sets).value();
+    pictures_.resize(context_.frames_in_flight);
     staging_ = {VK_BUFFER_USAGE_TRANSFER_SRC_BIT, context_.frames_in_flight};
     vertices_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, context_.frames_in_flight};
     pipeline_ = std::move(pipeline).value();
     return Ok{};
 }
 
-Status CloudLayer::fit(Slot& slot, VkExtent2D extent) {
-    if (slot.image && slot.image->extent().width == extent.width && slot.image->extent().height == extent.height) {
+Status CloudLayer::fit(std::size_t picture, VkExtent2D extent) {
+    std::optional<vulkan::Image>& kept = pictures_[picture];
+    if (kept && kept->extent().width == extent.width && kept->extent().height == extent.height) {
         return Ok{};
     }
     Result<vulkan::Image> image = vulkan::Image::create(
@@ -76,8 +65,8 @@ Status CloudLayer::fit(Slot& slot, VkExtent2D extent) {
     if (!image) {
         return image.error();
     }
-    slot.image = std::move(image).value();
-    vulkan::write_image_descriptor(context_.device, slot.set, 0, slot.image->view(), sampler_.get());
+    kept = std::move(image).value();
+    sets_.show(context_.device, picture, *kept);
     return Ok{};
 }
 
@@ -102,9 +91,9 @@ Status CloudLayer::upload(const FrameData& frame, VkExtent2D extent, std::uint32
     if (vertex_count_ == 0) {
         return Ok{};
     }
-    current_ = (current_ + 1) % slots_.size();
+    current_ = (current_ + 1) % pictures_.size();
     Status status =
-        fit(slots_[current_], {static_cast<std::uint32_t>(clouds.width), static_cast<std::uint32_t>(clouds.height)});
+        fit(current_, {static_cast<std::uint32_t>(clouds.width), static_cast<std::uint32_t>(clouds.height)});
     if (status) {
         status = staging_.replace(context_.device, std::span<const std::byte>(image.texels));
     }
@@ -121,7 +110,7 @@ void CloudLayer::record_before(VkCommandBuffer commands, const FrameData& /*fram
     if (!std::exchange(copy_, false)) {
         return;
     }
-    const vulkan::Image& image = *slots_[current_].image;
+    const vulkan::Image& image = *pictures_[current_];
     vulkan::record_barrier(commands, image.get(), image.aspect(),
                            {.from = VK_IMAGE_LAYOUT_UNDEFINED,
                             .to = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
@@ -149,7 +138,8 @@ void CloudLayer::record_blended(VkCommandBuffer commands, const FrameData& frame
     const CloudRenderData& clouds = *frame.clouds;
     const VkPipelineLayout layout = context_.passes.scene_layout.get();
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_->get());
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1, &slots_[current_].set, 0, nullptr);
+    const VkDescriptorSet set = sets_[current_];
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1, &set, 0, nullptr);
     ScenePush push;
     push.grid = {0.5F * static_cast<float>(extent_.width) / (static_cast<float>(clouds.width) * clouds.scale),
                  0.5F * static_cast<float>(extent_.height) / (static_cast<float>(clouds.height) * clouds.scale), 0.5F,

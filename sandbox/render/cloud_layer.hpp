@@ -10,6 +10,7 @@
 
 #include "sandbox/render/cloud_image.hpp"
 #include "sandbox/render/dynamic_buffer.hpp"
+#include "sandbox/render/image_sets.hpp"
 #include "sandbox/render/layer.hpp"
 
 namespace alpenglow::sandbox {
@@ -27,19 +28,14 @@ public:
     std::vector<vulkan::ReloadablePipeline*> pipelines() override;
 
 private:
-    // As DynamicBuffer: one image a frame in flight, used in turn.
-    struct Slot {
-        std::optional<vulkan::Image> image;
-        VkDescriptorSet set = VK_NULL_HANDLE;
-    };
     Status create();
-    Status fit(Slot& slot, VkExtent2D extent);
+    Status fit(std::size_t picture, VkExtent2D extent);
 
     LayerContext context_;
     std::optional<vulkan::ReloadablePipeline> pipeline_;
-    vulkan::DescriptorPool descriptors_;
-    vulkan::Sampler sampler_;
-    std::vector<Slot> slots_;
+    // As DynamicBuffer: one image a frame in flight, used in turn.
+    std::vector<std::optional<vulkan::Image>> pictures_;
+    ImageSets sets_; // of the pictures
     std::size_t current_ = 0;
     DynamicBuffer staging_, vertices_;
     std::uint32_t vertex_count_ = 0;

@@ -5,10 +5,8 @@
 #include <cstring>
 #include <utility>
 
-#include <glm/gtc/matrix_inverse.hpp>
 #include <glm/gtc/packing.hpp>
 
-#include <alpenglow/vulkan/mip_chain.hpp>
 #include <alpenglow/vulkan/transfer.hpp>
 
 #include "sandbox/render/gpu_data.hpp"
@@ -37,23 +35,14 @@ Status EnvironmentLayer::create() {
     constexpr VkPushConstantRange push{VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                                        sizeof(EnvironmentPush)};
     const std::array<VkDescriptorSetLayout, 2> sets{context_.passes.frame_set.get(), context_.passes.image_set.get()};
-    constexpr VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
     Result<vulkan::PipelineLayout> layout = vulkan::create_pipeline_layout(context_.device, sets, {&push, 1});
-    Result<vulkan::DescriptorPool> pool = vulkan::create_descriptor_pool(context_.device, 1, {&size, 1});
-    Result<vulkan::Sampler> sampler =
-        vulkan::create_sampler(context_.device, {.address = VK_SAMPLER_ADDRESS_MODE_REPEAT});
-    if (!layout || !pool || !sampler) {
-        return !layout ? layout.error() : !pool ? pool.error() : sampler.error();
+    Result<ImageSets> image_sets = ImageSets::create(context_.device, context_.passes.image_set.get(), 1,
+                                                     {.address = VK_SAMPLER_ADDRESS_MODE_REPEAT});
+    if (!layout || !image_sets) {
+        return !layout ? layout.error() : image_sets.error();
     }
     layout_ = std::move(layout).value();
-    descriptors_ = std::move(pool).value();
-    sampler_ = std::move(sampler).value();
-    Result<VkDescriptorSet> set =
-        vulkan::allocate_descriptor_set(context_.device, descriptors_.get(), context_.passes.image_set.get());
-    if (!set) {
-        return set.error();
-    }
-    set_ = *set;
+    sets_ = std::move(image_sets).value();
     vulkan::GraphicsPipelineOptions options{};
     options.layout = layout_.get();
     options.pass = context_.passes.scene.get();
@@ -99,7 +88,7 @@ Status EnvironmentLayer::upload(const FrameData& frame, VkExtent2D /*extent*/, s
         return created.error();
     }
     image_ = std::move(created).value();
-    vulkan::write_image_descriptor(context_.device, set_, 0, image_->view(), sampler_.get());
+    sets_.show(context_.device, 0, *image_);
     revision_ = map.revision;
     ++stats.uploads;
     stats.upload_bytes += texels.size();
@@ -117,7 +106,8 @@ void EnvironmentLayer::record_blended(VkCommandBuffer commands, const FrameData&
                                          glm::vec4(0.0F, 0.0F, 0.0F, 1.0F)),
                                image_scale_ * map.scale * frame.exposure, map.azimuth_rad};
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_->get());
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 1, 1, &set_, 0, nullptr);
+    const VkDescriptorSet set = sets_[0];
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 1, 1, &set, 0, nullptr);
     vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                        sizeof push, &push);
     vkCmdDraw(commands, 3, 1, 0, 0);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "sandbox/render/image_sets.hpp"
 #include "sandbox/render/layer.hpp"
 
 namespace alpenglow::sandbox {
@@ -23,9 +24,7 @@ private:
     LayerContext context_;
     vulkan::PipelineLayout layout_; // the frame's set, the image's, EnvironmentPush
     std::optional<vulkan::ReloadablePipeline> pipeline_;
-    vulkan::DescriptorPool descriptors_;
-    vulkan::Sampler sampler_;
-    VkDescriptorSet set_ = VK_NULL_HANDLE;
+    ImageSets sets_; // one
     std::optional<vulkan::Image> image_;
     float image_scale_ = 1.0F; // from texels to cd/m^2 a unit of EnvironmentRenderData::scale
     std::optional<std::uint32_t> revision_;

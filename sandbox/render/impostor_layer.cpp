@@ -14,11 +14,10 @@
 #include <alpenglow/vulkan/transfer.hpp>
 
 #include "sandbox/render/pipelines.hpp"
+#include "sandbox/render/tone.hpp"
 #include "sandbox/render/upload.hpp"
 #include "sandbox/world/impostor_render_data.hpp"
 
-#include <alpenglow_shaders/color.frag.hpp>
-#include <alpenglow_shaders/color_hdr.frag.hpp>
 #include <alpenglow_shaders/colored.vert.hpp>
 #include <alpenglow_shaders/impostor.frag.hpp>
 #include <alpenglow_shaders/impostor.vert.hpp>
@@ -37,18 +36,6 @@ constexpr std::array<VkVertexInputAttributeDescription, 3> kPictureAttributes{
     {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ImpostorVertex, position_m)},
      {1, 0, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(ImpostorVertex, texel)},
      {2, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ImpostorVertex, weights)}}};
-
-// tone.glsl's display() on the CPU.
-float tone_curve(float x) {
-    return std::min(x * (x + 0.26093F) / (x * (0.99189F * x + 0.37611F) + 0.061396F), 1.0F);
-}
-glm::vec3 display(const glm::vec3& radiance) {
-    const float brightest = std::clamp(std::max({radiance.r, radiance.g, radiance.b}), 1e-6F, 1e4F);
-    glm::vec3 r = glm::clamp(radiance / brightest, 0.0F, 1.0F);
-    r += 0.8F * brightest / (brightest + 8.0F) * (1.0F - r);
-    const glm::vec3 rest = 1.0F - r;
-    return tone_curve(brightest) * glm::sqrt(r) * (1.0F + 0.14F * rest * rest);
-}
 
 // Premultiplied display colours, 8 bits.
 void encode_lean(const ImpostorTile& tile, float exposure, std::byte* to) {
@@ -79,26 +66,17 @@ void encode_full(const ImpostorTile& tile, float exposure, std::byte* to) {
 } // namespace
 
 bool ImpostorLayer::wanted(const FrameData& frame) const {
-    return frame.impostors != nullptr;
+    return frame.impostors != nullptr && !frame.capturing;
 }
 
 Status ImpostorLayer::create(int width, int height) {
     const bool full = context_.quality == Quality::full;
-    if (!sampler_.get()) {
-        const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
-        Result<vulkan::DescriptorPool> pool = vulkan::create_descriptor_pool(context_.device, 1, {&size, 1});
-        Result<vulkan::Sampler> sampler = vulkan::create_sampler(context_.device, {});
-        if (!pool || !sampler) {
-            return !pool ? pool.error() : sampler.error();
+    if (!sets_) {
+        Result<ImageSets> sets = ImageSets::create(context_.device, context_.passes.image_set.get(), 1);
+        if (!sets) {
+            return sets.error();
         }
-        descriptors_ = std::move(pool).value();
-        sampler_ = std::move(sampler).value();
-        Result<VkDescriptorSet> set =
-            vulkan::allocate_descriptor_set(context_.device, descriptors_.get(), context_.passes.image_set.get());
-        if (!set) {
-            return set.error();
-        }
-        set_ = *set;
+        sets_ = std::move(sets).value();
         staging_ = {VK_BUFFER_USAGE_TRANSFER_SRC_BIT, context_.frames_in_flight + 1};
         vertices_ = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, context_.frames_in_flight + 1};
         indices_ = {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, context_.frames_in_flight + 1};
@@ -123,7 +101,7 @@ Status ImpostorLayer::create(int width, int height) {
     }
     atlas_ = std::move(image).value();
     fresh_ = true;
-    vulkan::write_image_descriptor(context_.device, set_, 0, atlas_->view(), sampler_.get());
+    sets_->show(context_.device, 0, *atlas_);
 
     vulkan::GraphicsPipelineOptions picture{};
     picture.bindings = kPictureBindings;
@@ -163,8 +141,7 @@ Status ImpostorLayer::create(int width, int height) {
                        std::bit_cast<std::uint32_t>(static_cast<float>(height))},
                       picture);
     }
-    const vulkan::ShaderSource color = full ? fragment_shader(color_hdr_frag, "passes/color_hdr.frag")
-                                            : fragment_shader(color_frag, "passes/color.frag");
+    const vulkan::ShaderSource color = color_shader(context_.quality);
     if (status) {
         status = make(craft_, {vertex_shader(colored_vert, "passes/colored.vert"), color}, {hdr}, craft);
     }
@@ -270,8 +247,9 @@ void ImpostorLayer::record_opaque(VkCommandBuffer commands, const FrameData& fra
 void ImpostorLayer::record_blended(VkCommandBuffer commands, const FrameData& frame, DrawStats& stats) {
     const ImpostorRenderData& data = *frame.impostors;
     if (!data.indices.empty()) {
+        const VkDescriptorSet set = (*sets_)[0];
         vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, context_.passes.scene_layout.get(), 1, 1,
-                                &set_, 0, nullptr);
+                                &set, 0, nullptr);
         bind_vertices(commands, 0, vertices_.get());
         vkCmdBindIndexBuffer(commands, indices_.get(), 0, VK_INDEX_TYPE_UINT32);
         std::optional<ImpostorRun::Kind> bound;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sandbox/render/dynamic_buffer.hpp"
+#include "sandbox/render/image_sets.hpp"
 #include "sandbox/render/layer.hpp"
 
 namespace alpenglow::sandbox {
@@ -28,9 +29,7 @@ private:
     Status create(int width, int height);
 
     LayerContext context_;
-    vulkan::DescriptorPool descriptors_;
-    VkDescriptorSet set_ = VK_NULL_HANDLE;
-    vulkan::Sampler sampler_;
+    std::optional<ImageSets> sets_; // one
     std::optional<vulkan::Image> atlas_;
     bool fresh_ = false;                                                // the atlas has no layout yet
     std::array<std::optional<vulkan::ReloadablePipeline>, 3> pictures_; // by ImpostorRun::Kind

@@ -20,23 +20,13 @@ Status OverlayLayer::create() {
         return Ok{};
     }
     const auto count = static_cast<std::uint32_t>(context_.frames_in_flight + 1);
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count};
-    Result<vulkan::DescriptorPool> pool = vulkan::create_descriptor_pool(context_.device, count, {&size, 1});
-    Result<vulkan::Sampler> sampler = vulkan::create_sampler(context_.device, {.filter = VK_FILTER_NEAREST});
-    if (!pool || !sampler) {
-        return !pool ? pool.error() : sampler.error();
+    Result<ImageSets> sets =
+        ImageSets::create(context_.device, context_.passes.image_set.get(), count, {.filter = VK_FILTER_NEAREST});
+    if (!sets) {
+        return sets.error();
     }
-    descriptors_ = std::move(pool).value();
-    sampler_ = std::move(sampler).value();
+    sets_ = std::move(sets).value();
     pictures_.resize(count);
-    for (Picture& picture : pictures_) {
-        Result<VkDescriptorSet> set =
-            vulkan::allocate_descriptor_set(context_.device, descriptors_.get(), context_.passes.image_set.get());
-        if (!set) {
-            return set.error();
-        }
-        picture.set = *set;
-    }
     staging_ = {VK_BUFFER_USAGE_TRANSFER_SRC_BIT, count};
 
     vulkan::GraphicsPipelineOptions options{};
@@ -66,18 +56,17 @@ Status OverlayLayer::upload(const FrameData& frame, VkExtent2D extent, std::uint
     }
     revision_ = overlay.revision;
     current_ = (current_ + 1) % pictures_.size();
-    Picture& picture = pictures_[current_];
+    std::optional<vulkan::Image>& picture = pictures_[current_];
     const VkExtent2D size{static_cast<std::uint32_t>(overlay.width), static_cast<std::uint32_t>(overlay.height)};
-    if (!picture.image || picture.image->extent().width != size.width ||
-        picture.image->extent().height != size.height) {
+    if (!picture || picture->extent().width != size.width || picture->extent().height != size.height) {
         Result<vulkan::Image> image =
             vulkan::Image::create(context_.device, {VK_FORMAT_R8G8B8A8_UNORM, size,
                                                     VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
         if (!image) {
             return image.error();
         }
-        picture.image = std::move(image).value();
-        vulkan::write_image_descriptor(context_.device, picture.set, 0, picture.image->view(), sampler_.get());
+        picture = std::move(image).value();
+        sets_.show(context_.device, current_, *picture);
     }
     if (const Status staged = staging_.replace(context_.device, overlay.rgba); !staged) {
         return staged;
@@ -92,7 +81,7 @@ void OverlayLayer::record_before(VkCommandBuffer commands, const FrameData& /*fr
     if (!std::exchange(copy_, false)) {
         return;
     }
-    const vulkan::Image& image = *pictures_[current_].image;
+    const vulkan::Image& image = *pictures_[current_];
     vulkan::record_barrier(commands, image.get(), VK_IMAGE_ASPECT_COLOR_BIT,
                            {VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                             VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, 0, VK_PIPELINE_STAGE_TRANSFER_BIT,
@@ -111,8 +100,8 @@ void OverlayLayer::record_overlay(VkCommandBuffer commands, const FrameData& fra
     const OverlayRenderData& overlay = *frame.overlay;
     const VkPipelineLayout layout = context_.passes.image_layout.get();
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_->get());
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &pictures_[current_].set, 0,
-                            nullptr);
+    const VkDescriptorSet set = sets_[current_];
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &set, 0, nullptr);
     const auto clip = [](int at, std::uint32_t size) {
         return 2.0F * static_cast<float>(at) / static_cast<float>(size) - 1.0F;
     };

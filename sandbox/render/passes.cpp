@@ -7,8 +7,6 @@
 #include "sandbox/render/gpu_data.hpp"
 #include "sandbox/render/pipelines.hpp"
 
-#include <alpenglow_shaders/color.frag.hpp>
-#include <alpenglow_shaders/color_hdr.frag.hpp>
 #include <alpenglow_shaders/disc.vert.hpp>
 #include <alpenglow_shaders/hud.frag.hpp>
 #include <alpenglow_shaders/hud.vert.hpp>
@@ -121,8 +119,8 @@ Status create_render_passes(const vulkan::Device& device, Quality quality, Passe
     return status;
 }
 
-std::vector<Recipe> list_pipelines(Quality quality, const Passes& passes) {
-    const bool full = quality == Quality::full;
+// Terrain and objects in the scene's pass, and the dome behind them.
+vulkan::GraphicsPipelineOptions surface_options(const Passes& passes) {
     vulkan::GraphicsPipelineOptions surface{};
     surface.bindings = kSurfaceBindings;
     surface.attributes = kSurfaceAttributes;
@@ -131,15 +129,25 @@ std::vector<Recipe> list_pipelines(Quality quality, const Passes& passes) {
     surface.cull = VK_CULL_MODE_BACK_BIT;
     surface.depth_test = true;
     surface.depth_write = true;
-    vulkan::GraphicsPipelineOptions shadow_map = surface;
-    shadow_map.pass = passes.shadow.get();
-    shadow_map.has_color = false;
-    shadow_map.cull = VK_CULL_MODE_NONE;
-    vulkan::GraphicsPipelineOptions sky = surface;
+    return surface;
+}
+
+vulkan::GraphicsPipelineOptions sky_options(const Passes& passes) {
+    vulkan::GraphicsPipelineOptions sky = surface_options(passes);
     sky.bindings = kSkyBindings;
     sky.attributes = kSkyAttributes;
     sky.cull = VK_CULL_MODE_NONE;
     sky.depth_write = false;
+    return sky;
+}
+
+std::vector<Recipe> list_pipelines(Quality quality, const Passes& passes) {
+    const bool full = quality == Quality::full;
+    const vulkan::GraphicsPipelineOptions surface = surface_options(passes);
+    vulkan::GraphicsPipelineOptions shadow_map = surface;
+    shadow_map.pass = passes.shadow.get();
+    shadow_map.has_color = false;
+    shadow_map.cull = VK_CULL_MODE_NONE;
     vulkan::GraphicsPipelineOptions decals = surface;
     decals.bindings = kShadowBindings;
     decals.attributes = kShadowAttributes;
@@ -167,11 +175,7 @@ std::vector<Recipe> list_pipelines(Quality quality, const Passes& passes) {
     const std::uint32_t hdr = full ? 1 : 0;
     const vulkan::ShaderSource disc_source = vertex_shader(disc_vert, "passes/disc.vert");
     std::vector<Recipe> recipes{
-        {Passes::sky,
-         {vertex_shader(sky_vert, "passes/sky.vert"), full ? fragment_shader(color_hdr_frag, "passes/color_hdr.frag")
-                                                           : fragment_shader(color_frag, "passes/color.frag")},
-         {hdr},
-         sky},
+        {Passes::sky, {vertex_shader(sky_vert, "passes/sky.vert"), color_shader(quality)}, {hdr}, sky_options(passes)},
         {Passes::sun, {disc_source, fragment_shader(sun_frag, "passes/sun.frag")}, {hdr}, sun},
         {Passes::moon, {disc_source, fragment_shader(moon_frag, "passes/moon.frag")}, {hdr}, moon},
         {Passes::hud_picture,
@@ -198,8 +202,7 @@ std::vector<Recipe> list_pipelines(Quality quality, const Passes& passes) {
         recipes.push_back({Passes::terrain, terrain, {0, 1}, surface});
         recipes.push_back({Passes::terrain_far, terrain, {0, 0}, surface});
         recipes.push_back({Passes::objects,
-                           {vertex_shader(object_lean_vert, "passes/object_lean.vert"),
-                            fragment_shader(color_frag, "passes/color.frag")},
+                           {vertex_shader(object_lean_vert, "passes/object_lean.vert"), color_shader(quality)},
                            {1, 0},
                            surface});
         recipes.push_back({Passes::decals,
@@ -254,24 +257,13 @@ Result<Passes> create_capture_passes(const vulkan::Device& device, const std::fi
         return scene.error();
     }
     passes.scene = std::move(scene).value();
-    vulkan::GraphicsPipelineOptions surface{};
-    surface.bindings = kSurfaceBindings;
-    surface.attributes = kSurfaceAttributes;
-    surface.layout = passes.scene_layout.get();
-    surface.pass = passes.scene.get();
-    surface.cull = VK_CULL_MODE_BACK_BIT;
-    surface.depth_test = true;
-    surface.depth_write = true;
-    vulkan::GraphicsPipelineOptions sky = surface;
-    sky.bindings = kSkyBindings;
-    sky.attributes = kSkyAttributes;
-    sky.cull = VK_CULL_MODE_NONE;
-    sky.depth_write = false;
-    const vulkan::ShaderSource color = fragment_shader(color_hdr_frag, "passes/color_hdr.frag");
+    const vulkan::GraphicsPipelineOptions surface = surface_options(passes);
+    const vulkan::ShaderSource color = color_shader(Quality::full);
     const std::vector<vulkan::ShaderSource> lit{vertex_shader(object_lean_vert, "passes/object_lean.vert"), color};
-    std::vector<Recipe> recipes{{Passes::terrain, lit, {0, 1}, surface},
-                                {Passes::objects, lit, {1, 1}, surface},
-                                {Passes::sky, {vertex_shader(sky_vert, "passes/sky.vert"), color}, {1}, sky}};
+    std::vector<Recipe> recipes{
+        {Passes::terrain, lit, {0, 1}, surface},
+        {Passes::objects, lit, {1, 1}, surface},
+        {Passes::sky, {vertex_shader(sky_vert, "passes/sky.vert"), color}, {1}, sky_options(passes)}};
     if (const Status cooked = cook_all(device, std::move(recipes), shader_directory, passes); !cooked) {
         return cooked.error();
     }

@@ -2,6 +2,9 @@
 
 #include <utility>
 
+#include <alpenglow_shaders/color.frag.hpp>
+#include <alpenglow_shaders/color_hdr.frag.hpp>
+
 namespace alpenglow::sandbox {
 
 vulkan::ShaderSource vertex_shader(std::span<const std::uint32_t> spirv, const char* file) {
@@ -10,6 +13,11 @@ vulkan::ShaderSource vertex_shader(std::span<const std::uint32_t> spirv, const c
 
 vulkan::ShaderSource fragment_shader(std::span<const std::uint32_t> spirv, const char* file) {
     return {VK_SHADER_STAGE_FRAGMENT_BIT, spirv, file};
+}
+
+vulkan::ShaderSource color_shader(Quality quality) {
+    return quality == Quality::full ? fragment_shader(color_hdr_frag, "passes/color_hdr.frag")
+                                    : fragment_shader(color_frag, "passes/color.frag");
 }
 
 Result<vulkan::ReloadablePipeline> make_pipeline(const vulkan::Device& device,

@@ -11,8 +11,6 @@
 #include "sandbox/render/upload.hpp"
 #include "sandbox/world/probe_render_data.hpp"
 
-#include <alpenglow_shaders/color.frag.hpp>
-#include <alpenglow_shaders/color_hdr.frag.hpp>
 #include <alpenglow_shaders/colored.vert.hpp>
 #include <alpenglow_shaders/lit_sphere.vert.hpp>
 
@@ -81,8 +79,7 @@ Status ProbeLayer::create() {
     vulkan::GraphicsPipelineOptions spheres = mesh;
     spheres.bindings = kSphereBindings;
     spheres.attributes = kSphereAttributes;
-    const vulkan::ShaderSource color = full ? fragment_shader(color_hdr_frag, "passes/color_hdr.frag")
-                                            : fragment_shader(color_frag, "passes/color.frag");
+    const vulkan::ShaderSource color = color_shader(context_.quality);
     const std::vector<std::uint32_t> hdr{full ? 1U : 0U};
     Result<vulkan::ReloadablePipeline> colored =
         make_pipeline(context_.device, {vertex_shader(colored_vert, "passes/colored.vert"), color}, hdr, mesh,

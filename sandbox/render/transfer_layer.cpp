@@ -12,8 +12,6 @@
 #include "sandbox/render/upload.hpp"
 #include "sandbox/world/transfer_render_data.hpp"
 
-#include <alpenglow_shaders/color.frag.hpp>
-#include <alpenglow_shaders/color_hdr.frag.hpp>
 #include <alpenglow_shaders/transfer_colored.vert.hpp>
 #include <alpenglow_shaders/transfer_lit.vert.hpp>
 #include <alpenglow_shaders/transfer_smoke.frag.hpp>
@@ -108,8 +106,7 @@ Status TransferLayer::create() {
 
     const bool full = context_.quality == Quality::full;
     const std::vector<std::uint32_t> hdr{full ? 1U : 0U};
-    const vulkan::ShaderSource color = full ? fragment_shader(color_hdr_frag, "passes/color_hdr.frag")
-                                            : fragment_shader(color_frag, "passes/color.frag");
+    const vulkan::ShaderSource color = color_shader(context_.quality);
     vulkan::GraphicsPipelineOptions body{};
     body.bindings = kBodyBindings;
     body.attributes = std::span(kBodyAttributes).first(2);

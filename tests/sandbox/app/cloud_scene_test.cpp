@@ -12,11 +12,10 @@
 #include <alpenglow/clouds/modelling.hpp>
 #include <alpenglow/clouds/vdb.hpp>
 
+#include "one_game.hpp"
 #include "sandbox/app/camera_flight.hpp"
 #include "sandbox/app/cloud_depth.hpp"
 #include "sandbox/app/cloud_scene.hpp"
-#include "sandbox/app/game.hpp"
-#include "sandbox/world/landscape_file.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
@@ -35,24 +34,9 @@ Scene cloudy(double time_rate = 0.0) {
 constexpr int width = 192;
 constexpr int height = 108;
 
-class CloudSceneTest : public ::testing::Test {
+class CloudSceneTest : public OneGame {
 protected:
-    static void SetUpTestSuite() {
-        const std::filesystem::path file = built_landscape();
-        game_ = new Game(*load_scene("noon"), open_world(std::span(&file, 1)).world);
-    }
-    static void TearDownTestSuite() {
-        delete game_;
-        game_ = nullptr;
-    }
     static void update(double dt_s) { game_->update(dt_s, width, height); }
-    static const SystemReport& report(std::string_view system) {
-        const auto at = std::find_if(game_->reports().begin(), game_->reports().end(),
-                                     [&](const SystemReport& r) { return r.system == system; });
-        EXPECT_NE(at, game_->reports().end()) << system;
-        return *at;
-    }
-    static inline Game* game_ = nullptr;
 };
 
 TEST_F(CloudSceneTest, AStaticSceneBakesAndMarchesOnce) {
@@ -64,7 +48,7 @@ TEST_F(CloudSceneTest, AStaticSceneBakesAndMarchesOnce) {
     for (int frame = 0; frame < 5; ++frame) {
         update(1.0 / 60.0);
         for (const char* system : {"clouds", "cloud_shade", "cloud_view"}) {
-            EXPECT_EQ(report(system).updated, 0U) << system;
+            EXPECT_EQ(report(system)->updated, 0U) << system;
         }
     }
     EXPECT_EQ(game_->frame().clouds->revision, picture);
@@ -81,7 +65,7 @@ TEST_F(CloudSceneTest, TheWindMovesTheShadowWithoutMakingItAgainAndThePictureInP
     std::uint32_t marched = 0;
     for (int frame = 0; frame < 60; ++frame) {
         update(1.0 / 60.0);
-        marched += report("cloud_view").updated;
+        marched += report("cloud_view")->updated;
     }
     const CloudShadowMap& after = game_->frame().clouds->shadow;
     EXPECT_EQ(after.revision, before.revision);

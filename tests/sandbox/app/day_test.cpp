@@ -15,9 +15,8 @@
 
 #include <alpenglow/sky/sky_state.hpp>
 
-#include "sandbox/app/game.hpp"
+#include "one_game.hpp"
 #include "sandbox/render/sky_dome.hpp"
-#include "sandbox/world/landscape_file.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
@@ -51,17 +50,8 @@ double dome_error(const Game& game, SkyTables& anew) {
     return worst;
 }
 
-class DayTest : public ::testing::Test {
+class DayTest : public OneGame {
 protected:
-    static void SetUpTestSuite() {
-        const std::filesystem::path file = built_landscape();
-        game_ = new Game(*load_scene("alpine-morning"), open_world(std::span(&file, 1)).world);
-    }
-    static void TearDownTestSuite() {
-        delete game_;
-        game_ = nullptr;
-    }
-    static inline Game* game_ = nullptr;
 };
 
 TEST_F(DayTest, AnEveningAtAThousandTimesItsRateHasNoJumps) {

@@ -39,7 +39,9 @@ protected:
     static inline Game* game_ = nullptr;
 };
 
-float luminance(const glm::vec3& rgb) { return 0.2126F * rgb.r + 0.7152F * rgb.g + 0.0722F * rgb.b; }
+float luminance(const glm::vec3& rgb) {
+    return 0.2126F * rgb.r + 0.7152F * rgb.g + 0.0722F * rgb.b;
+}
 
 TEST_F(GameTest, AStaticSceneRecomputesNothingAfterTheFirstFrame) {
     Scene still = scene("alpine-morning");

@@ -15,11 +15,10 @@
 #include <alpenglow/sh/irradiance.hpp>
 #include <alpenglow/sh/zonal.hpp>
 
-#include "sandbox/app/game.hpp"
+#include "one_game.hpp"
 #include "sandbox/app/probe_display.hpp"
 #include "sandbox/app/probe_scene.hpp"
 #include "sandbox/world/probe_render_data.hpp"
-#include "sandbox/world/landscape_file.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
@@ -27,16 +26,8 @@ namespace {
 constexpr double frame_s = 1.0 / 60.0;
 
 // One landscape for all tests.
-class ProbeSceneTest : public ::testing::Test {
+class ProbeSceneTest : public OneGame {
 protected:
-    static void SetUpTestSuite() {
-        const std::filesystem::path file = built_landscape();
-        game_ = new Game(*load_scene("noon"), open_world(std::span(&file, 1)).world);
-    }
-    static void TearDownTestSuite() {
-        delete game_;
-        game_ = nullptr;
-    }
     static void enter(Deringing deringing, double time_rate = 0.0) {
         Scene scene = *load_scene("probes");
         scene.time_rate = time_rate;
@@ -47,12 +38,6 @@ protected:
         for (int i = 0; i < frames; ++i) {
             game_->update(frame_s, 960, 540);
         }
-    }
-    static const SystemReport* report(std::string_view system) {
-        const auto reports = game_->reports();
-        const auto at =
-            std::find_if(reports.begin(), reports.end(), [&](const SystemReport& r) { return r.system == system; });
-        return at == reports.end() ? nullptr : &*at;
     }
     // The lowest luminance that any ball shows, relative to the mean of that ball.
     static float darkest() {
@@ -68,7 +53,6 @@ protected:
         }
         return least;
     }
-    static inline Game* game_ = nullptr;
 };
 
 TEST_F(ProbeSceneTest, OtherScenesHaveNoProbesAndDoNoWorkForThem) {

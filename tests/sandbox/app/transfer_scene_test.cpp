@@ -15,10 +15,9 @@
 #include <alpenglow/prt/transfer_file.hpp>
 #include <alpenglow/sh/dering.hpp>
 
-#include "sandbox/app/game.hpp"
+#include "one_game.hpp"
 #include "sandbox/app/transfer_scene.hpp"
 #include "sandbox/app/transfer_shapes.hpp"
-#include "sandbox/world/landscape_file.hpp"
 #include "sandbox/world/transfer_render_data.hpp"
 
 namespace alpenglow::sandbox {
@@ -27,18 +26,16 @@ namespace {
 constexpr double frame_s = 1.0 / 60.0;
 
 // One landscape and one cache for all tests.
-class TransferSceneTest : public ::testing::Test {
+class TransferSceneTest : public OneGame {
 protected:
     static void SetUpTestSuite() {
         cache_ = std::filesystem::temp_directory_path() / ("alpenglow-transfer-test-" + std::to_string(::getpid()));
         std::filesystem::remove_all(cache_);
         setenv("XDG_CACHE_HOME", cache_.c_str(), 1);
-        const std::filesystem::path file = built_landscape();
-        game_ = new Game(*load_scene("noon"), open_world(std::span(&file, 1)).world);
+        OneGame::SetUpTestSuite();
     }
     static void TearDownTestSuite() {
-        delete game_;
-        game_ = nullptr;
+        OneGame::TearDownTestSuite();
         std::filesystem::remove_all(cache_);
     }
     static Scene scene(double time_rate = 0.0) {
@@ -56,12 +53,6 @@ protected:
             game_->update(frame_s, 960, 540);
         }
     }
-    static const SystemReport* report(std::string_view system) {
-        const auto reports = game_->reports();
-        const auto at =
-            std::find_if(reports.begin(), reports.end(), [&](const SystemReport& r) { return r.system == system; });
-        return at == reports.end() ? nullptr : &*at;
-    }
     static TransferScene& part() { return *game_->part<TransferScene>(); }
     static const TransferRenderData& drawn() { return *game_->frame().transfer; }
     static double sum(const TransferBody& body) {
@@ -71,7 +62,6 @@ protected:
         }
         return total;
     }
-    static inline Game* game_ = nullptr;
     static inline std::filesystem::path cache_;
 };
 

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <vector>
 
 namespace alpenglow::prt {
 namespace {
@@ -84,6 +85,47 @@ struct FieldPartHeader {
 };
 static_assert(sizeof(FieldPartHeader) == 200);
 
+using Bytes = std::span<const std::byte>;
+
+// What follows the header in a file.
+std::vector<Bytes> data_of(const BakePart& part) {
+    return {std::as_bytes(std::span(part.direct)), std::as_bytes(std::span(part.visibility)),
+            std::as_bytes(std::span(part.variance)), std::as_bytes(std::span(part.hit_counts)),
+            std::as_bytes(std::span(part.hits))};
+}
+std::vector<Bytes> data_of(const FieldPart& part) {
+    return {std::as_bytes(std::span(part.values)), std::as_bytes(std::span(part.inside))};
+}
+
+// Of a header, its own field zero, and what follows it.
+template <class Header>
+std::uint64_t checksum_of(Header header, const std::vector<Bytes>& data) {
+    header.checksum = 0;
+    Hasher hasher;
+    hasher.add(std::as_bytes(std::span(&header, 1)));
+    for (const Bytes values : data) {
+        hasher.add(values);
+    }
+    return hasher.digest();
+}
+
+template <class Header>
+Status write_part(const std::filesystem::path& path, Header& header, std::vector<Bytes> data) {
+    header.checksum = checksum_of(header, data);
+    data.insert(data.begin(), std::as_bytes(std::span(&header, 1)));
+    return write_file_atomically(path, data);
+}
+
+// Fills vectors of known sizes; false where the file ends early.
+template <class... Values>
+bool read_all(std::ifstream& file, Values&... values) {
+    const auto read = [&](std::span<std::byte> to) {
+        return to.empty() ||
+               file.read(reinterpret_cast<char*>(to.data()), static_cast<std::streamsize>(to.size())).good();
+    };
+    return (read(std::as_writable_bytes(std::span(values))) && ...);
+}
+
 } // namespace
 
 Status save_part(const BakeSettings& settings, const BakePart& part, const std::filesystem::path& path) {
@@ -110,16 +152,7 @@ Status save_part(const BakeSettings& settings, const BakePart& part, const std::
     header.inside_points = part.inside_points;
     header.cpu_s = part.cpu_s;
     header.tracing_cpu_s = part.tracing_cpu_s;
-    const std::array<std::span<const std::byte>, 6> data{
-        std::as_bytes(std::span(&header, 1)),      std::as_bytes(std::span(part.direct)),
-        std::as_bytes(std::span(part.visibility)), std::as_bytes(std::span(part.variance)),
-        std::as_bytes(std::span(part.hit_counts)), std::as_bytes(std::span(part.hits))};
-    Hasher hasher;
-    for (const std::span<const std::byte> part_of_file : data) {
-        hasher.add(part_of_file);
-    }
-    header.checksum = hasher.digest();
-    return write_file_atomically(path, data);
+    return write_part(path, header, data_of(part));
 }
 
 Result<SavedPart> load_part(const std::filesystem::path& path) {
@@ -154,25 +187,10 @@ Result<SavedPart> load_part(const std::filesystem::path& path) {
     part.variance.resize(header.count);
     part.hit_counts.resize(header.hit_counts);
     part.hits.resize(header.hits);
-    const auto read = [&](auto& values) {
-        const std::span<std::byte> to = std::as_writable_bytes(std::span(values));
-        return to.empty() ||
-               file.read(reinterpret_cast<char*>(to.data()), static_cast<std::streamsize>(to.size())).good();
-    };
-    if (!read(part.direct) || !read(part.visibility) || !read(part.variance) || !read(part.hit_counts) ||
-        !read(part.hits)) {
+    if (!read_all(file, part.direct, part.visibility, part.variance, part.hit_counts, part.hits)) {
         return wrong("ends early", "an undamaged part");
     }
-    const std::uint64_t checksum = header.checksum;
-    header.checksum = 0;
-    Hasher hasher;
-    hasher.add(std::as_bytes(std::span(&header, 1)));
-    hasher.add(std::as_bytes(std::span(part.direct)));
-    hasher.add(std::as_bytes(std::span(part.visibility)));
-    hasher.add(std::as_bytes(std::span(part.variance)));
-    hasher.add(std::as_bytes(std::span(part.hit_counts)));
-    hasher.add(std::as_bytes(std::span(part.hits)));
-    if (hasher.digest() != checksum) {
+    if (checksum_of(header, data_of(part)) != header.checksum) {
         return wrong("checksum does not match", "an undamaged part");
     }
     part.mesh_hash = header.mesh_hash;
@@ -244,15 +262,7 @@ Status save_field_part(const SavedFieldPart& saved, const std::filesystem::path&
         header.stop_energy = s.stop_energy;
         header.albedo = s.albedo;
     }
-    const std::array<std::span<const std::byte>, 3> data{std::as_bytes(std::span(&header, 1)),
-                                                         std::as_bytes(std::span(part.values)),
-                                                         std::as_bytes(std::span(part.inside))};
-    Hasher hasher;
-    for (const std::span<const std::byte> part_of_file : data) {
-        hasher.add(part_of_file);
-    }
-    header.checksum = hasher.digest();
-    return write_file_atomically(path, data);
+    return write_part(path, header, data_of(part));
 }
 
 Result<SavedFieldPart> load_field_part(const std::filesystem::path& path) {
@@ -282,21 +292,10 @@ Result<SavedFieldPart> load_field_part(const std::filesystem::path& path) {
     FieldPart& part = saved.part;
     part.values.resize(header.values);
     part.inside.resize(header.inside);
-    const auto read = [&](auto& values) {
-        const std::span<std::byte> to = std::as_writable_bytes(std::span(values));
-        return to.empty() ||
-               file.read(reinterpret_cast<char*>(to.data()), static_cast<std::streamsize>(to.size())).good();
-    };
-    if (!read(part.values) || !read(part.inside)) {
+    if (!read_all(file, part.values, part.inside)) {
         return wrong("ends early", "an undamaged part");
     }
-    const std::uint64_t checksum = header.checksum;
-    header.checksum = 0;
-    Hasher hasher;
-    hasher.add(std::as_bytes(std::span(&header, 1)));
-    hasher.add(std::as_bytes(std::span(part.values)));
-    hasher.add(std::as_bytes(std::span(part.inside)));
-    if (hasher.digest() != checksum) {
+    if (checksum_of(header, data_of(part)) != header.checksum) {
         return wrong("checksum does not match", "an undamaged part");
     }
     part.kind = kind;

@@ -1,4 +1,4 @@
-#include "sandbox/app/tone.hpp"
+#include "sandbox/render/tone.hpp"
 
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
