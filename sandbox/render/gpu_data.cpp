@@ -203,6 +203,7 @@ gpu::FrameBlock make_frame_block(const FrameData& frame, const SkyExtract& sky, 
                                         horizon_elevation(frame.camera_horizon, block.sun_sector, block.sector.x),
                                     frame.sun_angular_radius_rad);
     block.haze = {visible, azimuth.x, azimuth.y, moonlit ? 1.0F : 0.0F};
+    block.cloud_map = glm::vec4(-1e30F);
     if (frame.clouds != nullptr && frame.clouds->shadow.size == cloud_shadow_size) {
         const CloudShadowMap& map = frame.clouds->shadow;
         block.cloud_map = {1.0F / map.extent_m, map.plane_m, map.base_m, map.top_m};

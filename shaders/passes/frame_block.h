@@ -24,8 +24,8 @@ struct FrameBlock {
     vec4 near_light[33];      // rgb: colour of light that a thin layer of air scatters, at the brightness of horizon_light
     vec4 horizon_light[33];   // rgb: radiance of the sky at the horizon, entry i at sin(azimuth / 2) = i / 16 - 1, the
                               // azimuth that from the light of `haze`, clockwise
-    vec4 cloud_map;           // the map of the clouds' shadow. x: 1 / its side, 0: none; y: its height; z, w: bottom and top
-                              // of the clouds
+    vec4 cloud_map;           // the map of the clouds' shadow. x: 1 / its side; y: its height; z, w: bottom and top of the
+                              // clouds, -1e30 where no map is
     vec4 cloud_key;           // xy: way east and north a metre up towards the light; zw: the map's corner, in sides
     uvec4 cloud_shadow[784];  // 112 x 112 bytes: transmittance of the key light
 };

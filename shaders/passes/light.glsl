@@ -32,10 +32,11 @@ float cloud_texel(int x, int y) {
 // Fractions of the light of sun and moon that clouds let through to a point given relative to the camera: of the
 // stronger of the two alone. Mountains that stand in the clouds come out of their shadow with height.
 vec2 cloud_visibility(vec3 relative_m) {
-    if (frame.cloud_map.x == 0.0) {
+    vec3 at_m = relative_m + frame.camera_m.xyz;
+    // Lavapipe compiles a shader anew each frame where a branch hangs on uniforms alone: this one asks for the point too.
+    if (at_m.z >= frame.cloud_map.w) {
         return vec2(1.0);
     }
-    vec3 at_m = relative_m + frame.camera_m.xyz;
     vec2 texel = 112.0 * fract((at_m.xy + frame.cloud_key.xy * (frame.cloud_map.y - at_m.z)) * frame.cloud_map.x - frame.cloud_key.zw) + 111.5;
     ivec2 first = ivec2(texel);
     vec2 part = texel - vec2(first);
