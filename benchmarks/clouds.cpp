@@ -309,6 +309,35 @@ const Case frame_case("clouds/frame", [](const Context& context) {
     add(context, row, [&] { keep(march_scalar(s.volume, lighting, view).radiance.data()); });
 });
 
+// What structure finer than a voxel costs, standing and drifting: the error is how far it changes the picture.
+const Case detail_case("clouds/detail", [](const Context& context) {
+    const Study& s = study();
+    const Camera view = camera(context.quick() ? 48 : 96, context.quick() ? 27 : 54);
+    CloudLighting lighting;
+    lighting.reset(s.volume, s.medium, {});
+    lighting.bake_light(0, s.sun);
+    const CloudLighting::ViewFields fields = lighting.contract(s.volume.transform().index_from_world(view.position_m));
+    const DetailTexture texture;
+    MarchSettings settings;
+    settings.fields = &fields;
+    const Picture plain = march(s.volume, lighting, view, settings);
+    Row row{.module = "clouds",
+            .name = "detail, 96 x 54",
+            .method = "none",
+            .error_metric = "relative RMSE of luminance: what detail changes",
+            .reference = "without detail"};
+    add(context, row, [&] { keep(march(s.volume, lighting, view, settings).radiance.data()); });
+    settings.detail = &texture;
+    row.method = "standing";
+    row.bytes = double(texture.data().size());
+    row.error = relative_rmse(march(s.volume, lighting, view, settings).radiance, plain.radiance);
+    add(context, row, [&] { keep(march(s.volume, lighting, view, settings).radiance.data()); });
+    settings.detail_offsets = detail_drift(1000.0, 60.0);
+    row.method = "drifting";
+    row.error = relative_rmse(march(s.volume, lighting, view, settings).radiance, plain.radiance);
+    add(context, row, [&] { keep(march(s.volume, lighting, view, settings).radiance.data()); });
+});
+
 const Case bake_case("clouds/bake", [](const Context& context) {
     const Study& s = study();
     Row row{.module = "clouds",

@@ -4,6 +4,8 @@
 
 #include <alpenglow/core/parallel_for.hpp>
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace alpenglow::clouds {
@@ -80,6 +82,32 @@ float DetailTexture::sample(const glm::vec3& cell) const {
     constexpr std::size_t plane = std::size_t(stride) * stride;
     const float value = lerp(lerp(row(0), row(stride), t.y), lerp(row(plane), row(plane + stride), t.y), t.z);
     return value * (2.0F / 255.0F) - 1.0F;
+}
+
+float DetailTexture::sample(const glm::vec3& cell, const DetailOffsets& offsets) const {
+    const glm::vec3 turned(cell.y, cell.z, cell.x);
+    return (sample(cell + offsets.first) + sample(turned + offsets.second)) * 0.70710678F;
+}
+
+DetailOffsets detail_drift(double time_s, double lifetime_s) {
+    assert(std::isfinite(time_s) && lifetime_s > 0.0);
+    // Directions without a common period: the pair of offsets does not come back while anyone watches. Detail that
+    // rises is a texture that is read further down.
+    constexpr double billow = DetailTexture::size / 8.0;
+    constexpr double first[3] = {0.267, -0.189, -0.945};
+    constexpr double second[3] = {-0.611, 0.737, 0.289}; // in the turned frame: y, z, x
+    DetailOffsets out;
+    const auto wrapped = [&](double per_lifetime) {
+        constexpr double side = DetailTexture::size;
+        const double cells = std::fmod(time_s / lifetime_s * billow * per_lifetime, side);
+        const auto offset = static_cast<float>(cells < 0.0 ? cells + side : cells);
+        return offset < static_cast<float>(side) ? offset : 0.0F; // rounded up to the side
+    };
+    for (int a = 0; a < 3; ++a) {
+        out.first[a] = wrapped(first[a]);
+        out.second[a] = wrapped(second[a]);
+    }
+    return out;
 }
 
 } // namespace alpenglow::clouds

@@ -50,6 +50,8 @@ struct MarchInput {
     bool riemann;
     const std::uint8_t* detail; // null: none
     float detail_strength, detail_cells, inverse_most;
+    bool detail_drifts;
+    float detail_first[3], detail_second[3]; // cells
 };
 
 // Up to 16 rays, structure of arrays.
@@ -152,14 +154,10 @@ HWY_INLINE V sample_field(const FieldView& f, V px, V py, V pz) {
     return hn::MulAdd(value, hn::Set(d, f.scale), hn::Set(d, f.offset));
 }
 
-// DetailTexture::sample() at voxels from the volume's corner.
-HWY_INLINE V sample_detail(const MarchInput& in, V px, V py, V pz) {
+// One copy of the detail's texture, -1 .. 1, at cells >= 0.
+HWY_INLINE V sample_texture(const MarchInput& in, V x, V y, V z) {
     const D d;
     const DI di;
-    const V cells = hn::Set(d, in.detail_cells);
-    const V x = hn::Mul(px, cells);
-    const V y = hn::Mul(py, cells);
-    const V z = hn::Mul(pz, cells);
     const VI ix = hn::ConvertTo(di, x);
     const VI iy = hn::ConvertTo(di, y);
     const VI iz = hn::ConvertTo(di, z);
@@ -181,6 +179,21 @@ HWY_INLINE V sample_detail(const MarchInput& in, V px, V py, V pz) {
     const V value =
         lerp(lerp(row(0), row(stride), ty), lerp(row(stride * stride), row(stride * stride + stride), ty), tz);
     return hn::MulSub(value, hn::Set(d, 2.0F / 255.0F), hn::Set(d, 1.0F));
+}
+
+// DetailTexture::sample() at voxels from the volume's corner.
+HWY_INLINE V sample_detail(const MarchInput& in, V px, V py, V pz) {
+    const D d;
+    const V cells = hn::Set(d, in.detail_cells);
+    const auto at = [&](V p, float offset) { return hn::MulAdd(p, cells, hn::Set(d, offset)); };
+    const float* a = in.detail_first;
+    const V noise = sample_texture(in, at(px, a[0]), at(py, a[1]), at(pz, a[2]));
+    if (!in.detail_drifts) {
+        return noise;
+    }
+    const float* b = in.detail_second;
+    return hn::Mul(hn::Add(noise, sample_texture(in, at(py, b[0]), at(pz, b[1]), at(px, b[2]))),
+                   hn::Set(d, 0.70710678F));
 }
 
 void sample_points(const BrickView& v, const float* x, const float* y, const float* z, float* out, std::size_t count) {
@@ -504,6 +517,12 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
         in.detail_strength = settings.detail_strength;
         in.detail_cells = settings.detail_cells;
         in.inverse_most = 1.0F / volume.max_density();
+        in.detail_drifts = settings.detail_offsets.has_value();
+        const DetailOffsets offsets = settings.detail_offsets.value_or(DetailOffsets{});
+        for (int a = 0; a < 3; ++a) {
+            in.detail_first[a] = offsets.first[a];
+            in.detail_second[a] = offsets.second[a];
+        }
     }
     const glm::dvec3 low(volume.active_low() - 1);
     const glm::dvec3 high(volume.active_high() + 1);

@@ -57,7 +57,9 @@ RayLight march_ray(const BrickVolume& volume, const CloudLighting& lighting, con
         const glm::vec3 p = origin + d * t;
         float density = volume.sample(p);
         if (settings.detail != nullptr && density > 0.0F) {
-            const float noise = settings.detail->sample((p - glm::vec3(volume.min())) * settings.detail_cells);
+            const glm::vec3 cell = (p - glm::vec3(volume.min())) * settings.detail_cells;
+            const float noise = settings.detail_offsets ? settings.detail->sample(cell, *settings.detail_offsets)
+                                                        : settings.detail->sample(cell);
             density = detailed_density(density, 1.0F / volume.max_density(), settings.detail_strength, noise);
         }
         const float s = extinction * density;

@@ -91,6 +91,109 @@ TEST(CloudDetail, RepeatsWithoutASeamAndHasNoMean) {
     EXPECT_LT(largest_step, 1.0); // a seam would jump
 }
 
+TEST(CloudDetail, DriftIsAFunctionOfTimeThatStaysInTheTexture) {
+    for (const double lifetime : {1e-3, 60.0, 1e6}) {
+        for (const double time : {0.0, -1e-300, 1.0, -7.5, 1e4, -1e9, 1e15}) {
+            const DetailOffsets a = detail_drift(time, lifetime);
+            const DetailOffsets b = detail_drift(time, lifetime);
+            for (int axis = 0; axis < 3; ++axis) {
+                ASSERT_EQ(a.first[axis], b.first[axis]);
+                ASSERT_EQ(a.second[axis], b.second[axis]);
+                for (const float offset : {a.first[axis], a.second[axis]}) {
+                    ASSERT_GE(offset, 0.0F);
+                    ASSERT_LT(offset, static_cast<float>(DetailTexture::size));
+                }
+            }
+        }
+    }
+    // A billow a lifetime: an eighth of the side.
+    const DetailOffsets then = detail_drift(1000.0, 60.0);
+    const DetailOffsets now = detail_drift(1060.0, 60.0);
+    const auto moved = [](const glm::vec3& a, const glm::vec3& b) {
+        glm::vec3 d = b - a;
+        for (int axis = 0; axis < 3; ++axis) {
+            d[axis] -= 64.0F * std::round(d[axis] / 64.0F);
+        }
+        return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    };
+    EXPECT_NEAR(moved(then.first, now.first), 8.0F, 0.02F);
+    EXPECT_NEAR(moved(then.second, now.second), 8.0F, 0.02F);
+}
+
+TEST(CloudDetail, DriftingDetailKeepsItsBoundMeanAndSpreadAndChangesWithoutJumps) {
+    const DetailTexture texture(3);
+    const auto statistics = [&](const DetailOffsets* offsets) {
+        double mean = 0.0;
+        double square = 0.0;
+        for (std::uint32_t i = 0; i < 20000; ++i) {
+            const glm::vec3 at =
+                64.0F * glm::vec3(test::random_at(3 * i), test::random_at(3 * i + 1), test::random_at(3 * i + 2));
+            const float v = offsets != nullptr ? texture.sample(at, *offsets) : texture.sample(at);
+            EXPECT_LE(std::abs(v), 1.41422F);
+            mean += double(v) / 20000.0;
+            square += double(v) * double(v) / 20000.0;
+        }
+        return std::pair(mean, std::sqrt(square - mean * mean));
+    };
+    const auto [mean, spread] = statistics(nullptr);
+    for (const double time : {0.0, 17.0, 1e5}) {
+        const DetailOffsets offsets = detail_drift(time, 60.0);
+        const auto [drifting_mean, drifting_spread] = statistics(&offsets);
+        EXPECT_NEAR(drifting_mean, mean, 0.03);
+        EXPECT_NEAR(drifting_spread, spread, 0.05 * spread);
+    }
+    // From frame to frame little, within a lifetime all: also where offsets wrap.
+    const auto change = [&](double time, double later) {
+        const DetailOffsets a = detail_drift(time, 60.0);
+        const DetailOffsets b = detail_drift(later, 60.0);
+        double sum = 0.0;
+        for (std::uint32_t i = 0; i < 2000; ++i) {
+            const glm::vec3 at =
+                64.0F * glm::vec3(test::random_at(3 * i), test::random_at(3 * i + 1), test::random_at(3 * i + 2));
+            sum += std::pow(double(texture.sample(at, a)) - double(texture.sample(at, b)), 2.0) / 2000.0;
+        }
+        return std::sqrt(sum);
+    };
+    for (double time = 0.0; time < 2000.0; time += 10.0) {
+        EXPECT_LT(change(time, time + 1.0 / 30.0), 0.005) << time;
+    }
+    EXPECT_GT(change(100.0, 160.0), spread);
+}
+
+TEST(CloudMarch, DriftingDetailIsTheSameInVectorsAndKeepsTheLightsPicture) {
+    const Scene scene;
+    const DetailTexture texture;
+    MarchSettings settings;
+    settings.detail = &texture;
+    const Camera camera = look_at({-60, -20, 50}, {20, 21, 19}, 0.4F, 37, 23);
+    const Picture plain = march(scene.volume, scene.lighting, camera);
+    const auto sum_of = [](const Picture& picture) {
+        double sum = 0.0;
+        for (const glm::vec3& c : picture.radiance) {
+            sum += double(c.g);
+        }
+        return sum;
+    };
+    Picture last;
+    for (const double time : {0.0, 25.0, 1e6}) {
+        settings.detail_offsets = detail_drift(time, 60.0);
+        const Picture a = march(scene.volume, scene.lighting, camera, settings);
+        const Picture b = march_scalar(scene.volume, scene.lighting, camera, settings);
+        double changed = 0.0;
+        for (std::size_t i = 0; i < a.radiance.size(); ++i) {
+            ASSERT_NEAR(a.radiance[i].g, b.radiance[i].g, 2e-3F * b.radiance[i].g + 2e-4F);
+            ASSERT_NEAR(a.transmittance[i], b.transmittance[i], 1e-4F);
+            if (plain.transmittance[i] == 1.0F) {
+                EXPECT_EQ(a.transmittance[i], 1.0F); // nothing comes where nothing was
+            }
+            changed += last.width > 0 ? double(std::abs(a.transmittance[i] - last.transmittance[i])) : 1.0;
+        }
+        EXPECT_GT(changed, 1.0);
+        EXPECT_NEAR(sum_of(a), sum_of(plain), 0.03 * sum_of(plain)); // light is not made by moving
+        last = a;
+    }
+}
+
 // Slabs of a ray one after another are the whole ray.
 TEST(CloudMarch, SlabsAddUp) {
     const Scene scene;

@@ -1,6 +1,7 @@
 // Pictures of a lit cloud.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include <alpenglow/clouds/detail.hpp>
@@ -24,7 +25,8 @@ struct MarchSettings {
     const DetailTexture* detail = nullptr; // structure finer than voxels; the light is that of the density without it
     float detail_strength = 0.8F;          // see detailed_density()
     float detail_cells = 3.0F;             // of the texture a voxel
-    PixelRect rect = {};                   // pixels to march; empty: all
+    std::optional<DetailOffsets> detail_offsets = {}; // detail_drift() of now; none: detail stands still
+    PixelRect rect = {};                              // pixels to march; empty: all
     // This eye's fields, contracted by the caller; null: march() contracts them. For pictures made piece by piece.
     const CloudLighting::ViewFields* fields = nullptr;
     unsigned threads = 0;
