@@ -3,7 +3,9 @@
 //
 // Before including, define
 //   uint cloud_volume_word(uint index)   32-bit word of clouds::pack_volume: bricks, uploaded once
-//   uint cloud_light_word(uint index)    32-bit word of clouds::pack_light: what was baked, and this eye's fields
+//   uint cloud_light_word(uint index)    32-bit word of clouds::pack_light: what was baked
+//   uint cloud_view_word(uint index)     32-bit word of clouds::pack_view: this eye's fields, and how to march
+//   uint cloud_detail_word(uint index)   32-bit word of clouds::pack_detail; not asked for where pack_view had no detail
 #ifndef ALPENGLOW_CLOUD_GLSL
 #define ALPENGLOW_CLOUD_GLSL
 
@@ -51,32 +53,82 @@ float alpenglow_cloud_density(int brick, vec3 p) {
            uintBitsToFloat(cloud_volume_word(pair + 1u));
 }
 
-float alpenglow_cloud_half_word(uint base, int at) {
-    return float((cloud_light_word(base + uint(at >> 1)) >> uint((at & 1) << 4)) & 65535u);
+float alpenglow_cloud_view_float(uint index) {
+    return uintBitsToFloat(cloud_view_word(index));
+}
+
+// Fields are described and stored among the words of the light or of the view.
+uint alpenglow_cloud_field_word(bool of_view, uint index) {
+    if (of_view) {
+        return cloud_view_word(index);
+    }
+    return cloud_light_word(index);
+}
+
+float alpenglow_cloud_half_word(bool of_view, uint base, int at) {
+    return float((alpenglow_cloud_field_word(of_view, base + uint(at >> 1)) >> uint((at & 1) << 4)) & 65535u);
+}
+
+vec3 alpenglow_cloud_field_vector(bool of_view, uint index) {
+    return vec3(uintBitsToFloat(alpenglow_cloud_field_word(of_view, index)),
+                uintBitsToFloat(alpenglow_cloud_field_word(of_view, index + 1u)),
+                uintBitsToFloat(alpenglow_cloud_field_word(of_view, index + 2u)));
 }
 
 // Trilinear value of the field described at word `about`, at p in voxels from the volume's corner.
-float alpenglow_cloud_field(uint about, vec3 p) {
-    uint base = cloud_light_word(about);
-    int nx = int(cloud_light_word(about + 1u));
-    int ny = int(cloud_light_word(about + 2u));
-    int nz = int(cloud_light_word(about + 3u));
-    vec3 first = vec3(alpenglow_cloud_light_float(about + 4u), alpenglow_cloud_light_float(about + 5u),
-                      alpenglow_cloud_light_float(about + 6u));
-    vec3 q = (p - first) * alpenglow_cloud_light_float(about + 7u);
+float alpenglow_cloud_field(bool of_view, uint about, vec3 p) {
+    uint base = alpenglow_cloud_field_word(of_view, about);
+    int nx = int(alpenglow_cloud_field_word(of_view, about + 1u));
+    int ny = int(alpenglow_cloud_field_word(of_view, about + 2u));
+    int nz = int(alpenglow_cloud_field_word(of_view, about + 3u));
+    vec3 scale = alpenglow_cloud_field_vector(of_view, about + 7u); // cells a voxel, value of 0, value of a step
+    vec3 q = (p - alpenglow_cloud_field_vector(of_view, about + 4u)) * scale.x;
     q = clamp(q, vec3(0.0F), vec3(float(nx - 1), float(ny - 1), float(nz - 1)));
     int ix = min(int(q.x), nx - 2);
     int iy = min(int(q.y), ny - 2);
     int iz = min(int(q.z), nz - 2);
     vec3 t = q - vec3(float(ix), float(iy), float(iz));
     int at = (iz * ny + iy) * nx + ix;
-    int sz = nx * ny;
-    float a = mix(alpenglow_cloud_half_word(base, at), alpenglow_cloud_half_word(base, at + 1), t.x);
-    float b = mix(alpenglow_cloud_half_word(base, at + nx), alpenglow_cloud_half_word(base, at + nx + 1), t.x);
-    float c = mix(alpenglow_cloud_half_word(base, at + sz), alpenglow_cloud_half_word(base, at + sz + 1), t.x);
-    float d = mix(alpenglow_cloud_half_word(base, at + sz + nx), alpenglow_cloud_half_word(base, at + sz + nx + 1), t.x);
-    return mix(mix(a, b, t.y), mix(c, d, t.y), t.z) * alpenglow_cloud_light_float(about + 9u) +
-           alpenglow_cloud_light_float(about + 8u);
+    float a = mix(alpenglow_cloud_half_word(of_view, base, at), alpenglow_cloud_half_word(of_view, base, at + 1), t.x);
+    float b = mix(alpenglow_cloud_half_word(of_view, base, at + nx),
+                  alpenglow_cloud_half_word(of_view, base, at + nx + 1), t.x);
+    at += nx * ny;
+    float c = mix(alpenglow_cloud_half_word(of_view, base, at), alpenglow_cloud_half_word(of_view, base, at + 1), t.x);
+    float d = mix(alpenglow_cloud_half_word(of_view, base, at + nx),
+                  alpenglow_cloud_half_word(of_view, base, at + nx + 1), t.x);
+    return mix(mix(a, b, t.y), mix(c, d, t.y), t.z) * scale.z + scale.y;
+}
+
+float alpenglow_cloud_detail_byte(int at) {
+    return float((cloud_detail_word(uint(at >> 2)) >> uint((at & 3) << 3)) & 255u);
+}
+
+// clouds::DetailTexture::sample(), one copy: -1 .. 1 at cells >= 0.
+float alpenglow_cloud_detail_copy(vec3 cell) {
+    int ix = int(cell.x);
+    int iy = int(cell.y);
+    int iz = int(cell.z);
+    vec3 t = cell - vec3(float(ix), float(iy), float(iz));
+    int at = ((iz & 63) * 65 + (iy & 63)) * 65 + (ix & 63);
+    float a = mix(alpenglow_cloud_detail_byte(at), alpenglow_cloud_detail_byte(at + 1), t.x);
+    float b = mix(alpenglow_cloud_detail_byte(at + 65), alpenglow_cloud_detail_byte(at + 66), t.x);
+    at += 65 * 65;
+    float c = mix(alpenglow_cloud_detail_byte(at), alpenglow_cloud_detail_byte(at + 1), t.x);
+    float d = mix(alpenglow_cloud_detail_byte(at + 65), alpenglow_cloud_detail_byte(at + 66), t.x);
+    return mix(mix(a, b, t.y), mix(c, d, t.y), t.z) * (2.0F / 255.0F) - 1.0F;
+}
+
+// What detail makes of a density at p, in voxels from the volume's corner: clouds::detailed_density().
+float alpenglow_cloud_detailed(float density, float strength, vec3 p) {
+    vec3 cell = p * alpenglow_cloud_view_float(6u);
+    float noise = alpenglow_cloud_detail_copy(cell + vec3(alpenglow_cloud_view_float(9u), alpenglow_cloud_view_float(10u),
+                                                          alpenglow_cloud_view_float(11u)));
+    if (cloud_view_word(8u) != 0u) { // drifting: two copies pass through each other
+        vec3 turned = vec3(cell.y, cell.z, cell.x) + vec3(alpenglow_cloud_view_float(12u), alpenglow_cloud_view_float(13u),
+                                                          alpenglow_cloud_view_float(14u));
+        noise = (noise + alpenglow_cloud_detail_copy(turned)) * 0.70710678F;
+    }
+    return density * max(1.0F + strength * (1.0F - density * alpenglow_cloud_view_float(7u)) * noise, 0.0F);
 }
 
 // clouds::BeamTable: light towards the eye for a unit of irradiance, by optical depth and table coordinate of the angle.
@@ -106,18 +158,21 @@ float alpenglow_cloud_angle(vec3 difference) {
 }
 
 // Front to back from `eye` (voxels from the volume's corner) along `direction` (unit, the grid's frame), `per_metre` the
-// direction in voxels a metre, to t_end metres (opaque geometry). Word 12 on: descriptors of 16 words, lights first.
+// direction in voxels a metre, to t_end metres (opaque geometry). Descriptors of 16 words: of the light's depths from its
+// word 12 on, of the view's fields from its word 16 on.
 AlpenglowCloudRay alpenglow_cloud_march(vec3 eye, vec3 direction, vec3 per_metre, float t_end) {
     AlpenglowCloudRay ray;
     ray.radiance = vec3(0.0F);
     ray.transmittance = 1.0F;
     ray.depth = 0.0F;
     int lights = int(cloud_light_word(0u));
-    int fields = int(cloud_light_word(1u));
+    int fields = int(cloud_view_word(0u));
     float extinction = alpenglow_cloud_light_float(6u);
-    float step = alpenglow_cloud_light_float(8u);
-    float stop = alpenglow_cloud_light_float(9u);
-    bool riemann = cloud_light_word(10u) != 0u;
+    float step = alpenglow_cloud_view_float(1u);
+    float stop = alpenglow_cloud_view_float(2u);
+    bool riemann = cloud_view_word(3u) != 0u;
+    float optical_step = alpenglow_cloud_view_float(4u);
+    float detail = alpenglow_cloud_view_float(5u);
     vec3 low = vec3(uintBitsToFloat(cloud_volume_word(9u)), uintBitsToFloat(cloud_volume_word(10u)),
                     uintBitsToFloat(cloud_volume_word(11u)));
     vec3 high = vec3(uintBitsToFloat(cloud_volume_word(12u)), uintBitsToFloat(cloud_volume_word(13u)),
@@ -142,9 +197,10 @@ AlpenglowCloudRay alpenglow_cloud_march(vec3 eye, vec3 direction, vec3 per_metre
     t0 -= base;
     t1 -= base;
     float k = 0.0F;
+    float width = 1.0F; // steps this sample stands for
     for (int guard = 0; guard < 65536; ++guard) {
         float from = max(k * step, t0);
-        float to = min((k + 1.0F) * step, t1);
+        float to = min((k + width) * step, t1);
         if (!(from < t1) || ray.transmittance <= stop) {
             break;
         }
@@ -159,11 +215,17 @@ AlpenglowCloudRay alpenglow_cloud_march(vec3 eye, vec3 direction, vec3 per_metre
                                       per_metre.z > 0.0F ? extent : 0.0F) -
                         eye) *
                        inverse;
-            k = max(k + 1.0F, ceil(min(far.x, min(far.y, far.z)) / step - 0.5F));
+            k = max(k + width, ceil(min(far.x, min(far.y, far.z)) / step - 0.5F));
+            width = 1.0F;
             continue;
         }
-        k += 1.0F;
-        float tau = extinction * alpenglow_cloud_density(brick, p) * max(to - from, 0.0F);
+        k += width;
+        width = 1.0F;
+        float density = alpenglow_cloud_density(brick, p);
+        if (detail > 0.0F && density > 0.0F) {
+            density = alpenglow_cloud_detailed(density, detail, p);
+        }
+        float tau = extinction * density * max(to - from, 0.0F);
         if (tau <= 0.0F) {
             continue;
         }
@@ -176,19 +238,23 @@ AlpenglowCloudRay alpenglow_cloud_march(vec3 eye, vec3 direction, vec3 per_metre
                                  alpenglow_cloud_light_float(about + 12u));
             vec3 irradiance = vec3(alpenglow_cloud_light_float(about + 13u), alpenglow_cloud_light_float(about + 14u),
                                    alpenglow_cloud_light_float(about + 15u));
-            source += irradiance * (alpenglow_cloud_light_float(7u) * alpenglow_cloud_beam(alpenglow_cloud_field(about, p),
-                                                                                          alpenglow_cloud_angle(to_light - direction)));
+            source += irradiance * (alpenglow_cloud_light_float(7u) *
+                                    alpenglow_cloud_beam(alpenglow_cloud_field(false, about, p),
+                                                         alpenglow_cloud_angle(to_light - direction)));
         }
         for (int i = 0; i < fields; ++i) {
-            uint about = 12u + 16u * uint(lights + i);
-            vec3 colour = vec3(alpenglow_cloud_light_float(about + 13u), alpenglow_cloud_light_float(about + 14u),
-                               alpenglow_cloud_light_float(about + 15u));
-            source += colour * alpenglow_cloud_field(about, p);
+            uint about = 16u + 16u * uint(i);
+            source += alpenglow_cloud_field_vector(true, about + 13u) * alpenglow_cloud_field(true, about, p);
         }
         ray.radiance += source * (ray.transmittance * (riemann ? tau : opacity));
         ray.depth += ray.transmittance * opacity * t;
         weight += ray.transmittance * opacity;
         ray.transmittance *= e;
+        if (optical_step > 0.0F) {
+            // The less is still seen, the more optical depth a step may span.
+            float allowed = optical_step * (1.0F - ray.transmittance) / max(ray.transmittance, 1e-3F);
+            width = clamp(floor(allowed / max(extinction * density * step, 0.05F)), 1.0F, 4.0F);
+        }
     }
     if (ray.transmittance <= stop) {
         ray.radiance /= 1.0F - ray.transmittance;

@@ -368,7 +368,7 @@ void march_packet(const MarchInput& in, Packet& packet) {
                         hn::Mul(hn::Set(d, in.optical_step),
                                 hn::Div(hn::Sub(one, transmittance), hn::Max(transmittance, hn::Set(d, 1e-3F))));
                     const V steps = hn::Floor(hn::Div(allowed, hn::Max(hn::Mul(s, step), hn::Set(d, 0.05F))));
-                    next_width = hn::Min(hn::Max(steps, one), hn::Set(d, 4.0F));
+                    next_width = hn::IfThenElse(hn::Gt(tau, zero), hn::Min(hn::Max(steps, one), hn::Set(d, 4.0F)), one);
                 }
             }
         }

@@ -30,12 +30,13 @@ constexpr int height = 27;
 class CloudGpu : public GpuTest {
 protected:
     // The picture that the device draws.
-    std::vector<glm::vec4> draw(const BrickVolume& volume, const CloudLighting& lighting, const Camera& camera) {
+    std::vector<glm::vec4> draw(const BrickVolume& volume, const CloudLighting& lighting, const Camera& camera,
+                                const MarchSettings& settings) {
         const GridTransform& transform = volume.transform();
         const auto local = [&](const glm::vec3& world) {
             return glm::vec4(glm::vec3(transform.local_direction(glm::dvec3(world))), 0.0F);
         };
-        const std::array<glm::vec4, 6> view{
+        const std::array<glm::vec4, 6> pinhole{
             glm::vec4(shader_eye(volume, camera.position_m), 0.5F * height / camera.tan_half_height),
             local(camera.forward),
             local(camera.right),
@@ -43,11 +44,16 @@ protected:
             glm::vec4(glm::vec3(transform.voxel_m), 0.0F),
             glm::vec4(width, height, 0.0F, 0.0F)};
         const std::vector<std::uint32_t> bricks = pack_volume(volume);
-        const std::vector<std::uint32_t> light = pack_light(volume, lighting, camera.position_m);
-        const std::array<std::span<const std::byte>, 3> contents{
-            std::as_bytes(std::span(bricks)), std::as_bytes(std::span(light)), std::as_bytes(std::span(view))};
-        std::array<VkDescriptorSetLayoutBinding, 3> bindings{};
-        for (std::uint32_t i = 0; i < 3; ++i) {
+        const std::vector<std::uint32_t> light = pack_light(volume, lighting);
+        const std::vector<std::uint32_t> view =
+            pack_view(volume, lighting, lighting.contract(transform.index_from_world(camera.position_m)), settings);
+        const std::vector<std::uint32_t> detail = pack_detail(texture);
+        constexpr std::uint32_t count = 5;
+        const std::array<std::span<const std::byte>, count> contents{
+            std::as_bytes(std::span(bricks)), std::as_bytes(std::span(light)), std::as_bytes(std::span(pinhole)),
+            std::as_bytes(std::span(view)), std::as_bytes(std::span(detail))};
+        std::array<VkDescriptorSetLayoutBinding, count> bindings{};
+        for (std::uint32_t i = 0; i < count; ++i) {
             bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
         }
         const RenderPassOptions options{.color = VK_FORMAT_R32G32B32A32_SFLOAT};
@@ -57,11 +63,11 @@ protected:
         Result<DescriptorSetLayout> set_layout = create_descriptor_set_layout(*device, bindings);
         const VkDescriptorSetLayout sets[] = {set_layout->get()};
         Result<PipelineLayout> layout = create_pipeline_layout(*device, sets);
-        const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 3}};
+        const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count}};
         Result<DescriptorPool> pool = create_descriptor_pool(*device, 1, sizes);
         Result<VkDescriptorSet> set = allocate_descriptor_set(*device, pool->get(), set_layout->get());
-        std::array<std::optional<Buffer>, 3> buffers;
-        for (std::uint32_t i = 0; i < 3; ++i) {
+        std::array<std::optional<Buffer>, count> buffers;
+        for (std::uint32_t i = 0; i < count; ++i) {
             Result<Buffer> made =
                 Buffer::create(*device, contents[i].size(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Placement::upload);
             EXPECT_TRUE(made);
@@ -95,6 +101,7 @@ protected:
         std::memcpy(pixels.data(), read->data(), pixels.size() * sizeof(glm::vec4));
         return pixels;
     }
+    const DetailTexture texture;
 };
 
 TEST_F(CloudGpu, DrawsTheCpusPicture) {
@@ -109,23 +116,31 @@ TEST_F(CloudGpu, DrawsTheCpusPicture) {
     lighting.bake_light(0, {glm::vec3(0.2182F, 0.4364F, 0.8729F), glm::vec3(10.0F, 9.0F, 8.0F), 0.0F});
     lighting.bake_sky(SkySh::uniform(glm::vec3(0.3F, 0.5F, 1.0F)));
     const glm::dvec3 centre = transform.world_from_index({20, 20, 20});
-    for (const glm::dvec3& eye : {centre + glm::dvec3(-120, -40, 50), centre}) { // from outside, from inside
-        const Camera camera = look_at(eye, centre + glm::dvec3(1.0, 0.5, 0.0), 0.4F, width, height);
-        const Picture cpu = march(volume, lighting, camera);
-        const std::vector<glm::vec4> gpu = draw(volume, lighting, camera);
-        double difference = 0.0;
-        double energy = 0.0;
-        for (std::size_t i = 0; i < gpu.size(); ++i) {
-            for (int k = 0; k < 3; ++k) {
-                ASSERT_TRUE(std::isfinite(gpu[i][k]));
-                const double d = double(gpu[i][k]) - double(cpu.radiance[i][k]);
-                difference += d * d;
-                energy += double(cpu.radiance[i][k]) * double(cpu.radiance[i][k]);
+    MarchSettings detailed;
+    detailed.detail = &texture;
+    detailed.detail_strength = 2.0F;
+    detailed.detail_cells = 2.0F;
+    detailed.detail_offsets = detail_drift(37.0, 100.0);
+    detailed.optical_step = 0.25F;
+    for (const MarchSettings& settings : {MarchSettings{}, detailed}) {
+        for (const glm::dvec3& eye : {centre + glm::dvec3(-120, -40, 50), centre}) { // from outside, from inside
+            const Camera camera = look_at(eye, centre + glm::dvec3(1.0, 0.5, 0.0), 0.4F, width, height);
+            const Picture cpu = march(volume, lighting, camera, settings);
+            const std::vector<glm::vec4> gpu = draw(volume, lighting, camera, settings);
+            double difference = 0.0;
+            double energy = 0.0;
+            for (std::size_t i = 0; i < gpu.size(); ++i) {
+                for (int k = 0; k < 3; ++k) {
+                    ASSERT_TRUE(std::isfinite(gpu[i][k]));
+                    const double d = double(gpu[i][k]) - double(cpu.radiance[i][k]);
+                    difference += d * d;
+                    energy += double(cpu.radiance[i][k]) * double(cpu.radiance[i][k]);
+                }
+                ASSERT_NEAR(gpu[i].w, cpu.transmittance[i], 2e-3F) << i;
             }
-            ASSERT_NEAR(gpu[i].w, cpu.transmittance[i], 2e-3F) << i;
+            ASSERT_GT(energy, 0.0);
+            EXPECT_LT(std::sqrt(difference / energy), 1e-3);
         }
-        ASSERT_GT(energy, 0.0);
-        EXPECT_LT(std::sqrt(difference / energy), 1e-3);
     }
 }
 

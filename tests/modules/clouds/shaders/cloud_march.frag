@@ -4,7 +4,7 @@
 
 layout(set = 0, binding = 0) readonly buffer Volume { uint volume_words[]; };
 layout(set = 0, binding = 1) readonly buffer Light { uint light_words[]; };
-layout(set = 0, binding = 2) readonly buffer View {
+layout(set = 0, binding = 2) readonly buffer Camera {
     vec4 eye;     // voxels from the volume's corner; w: pixels per unit of tangent
     vec4 forward; // the grid's frame
     vec4 right;
@@ -12,9 +12,13 @@ layout(set = 0, binding = 2) readonly buffer View {
     vec4 voxel_m;
     vec4 size; // pixels
 };
+layout(set = 0, binding = 3) readonly buffer View { uint view_words[]; };
+layout(set = 0, binding = 4) readonly buffer Detail { uint detail_words[]; };
 
 uint cloud_volume_word(uint index) { return volume_words[index]; }
 uint cloud_light_word(uint index) { return light_words[index]; }
+uint cloud_view_word(uint index) { return view_words[index]; }
+uint cloud_detail_word(uint index) { return detail_words[index]; }
 #include "alpenglow/cloud.glsl"
 
 layout(location = 0) out vec4 target;

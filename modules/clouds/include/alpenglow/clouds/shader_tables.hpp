@@ -11,10 +11,17 @@ namespace alpenglow::clouds {
 // The bricks: uploaded once, for they do not change while the cloud only moves.
 [[nodiscard]] std::vector<std::uint32_t> pack_volume(const BrickVolume& volume);
 
-// Optical depths, fields contracted for an eye (world, metres), beam table and step: uploaded when light or eye
-// changed.
-[[nodiscard]] std::vector<std::uint32_t> pack_light(const BrickVolume& volume, const CloudLighting& lighting,
-                                                    const glm::dvec3& eye_m, const MarchSettings& settings = {});
+// Optical depths, beam table and medium: uploaded when the light changed.
+[[nodiscard]] std::vector<std::uint32_t> pack_light(const BrickVolume& volume, const CloudLighting& lighting);
+
+// Fields contracted for an eye, step and detail, of which the first words alone change with anything but light and eye:
+// pack_view() of no fields is what they are.
+[[nodiscard]] std::vector<std::uint32_t> pack_view(const BrickVolume& volume, const CloudLighting& lighting,
+                                                   const CloudLighting::ViewFields& fields,
+                                                   const MarchSettings& settings = {});
+
+// Uploaded once, for all clouds.
+[[nodiscard]] std::vector<std::uint32_t> pack_detail(const DetailTexture& texture);
 
 // A camera's position for the shader: voxels from the volume's corner.
 [[nodiscard]] glm::vec3 shader_eye(const BrickVolume& volume, const glm::dvec3& eye_m);
