@@ -9,25 +9,18 @@
 #include <glm/geometric.hpp>
 
 #include <alpenglow/core/constants.hpp>
-#include <alpenglow/ephemeris/celestial.hpp>
-#include <alpenglow/ephemeris/geocentric_cache.hpp>
-#include <alpenglow/ephemeris/time.hpp>
-#include <alpenglow/sky/sky_state.hpp>
+
+#include "sandbox/scene/calendar.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
 
-constexpr double day_s = 86400.0;
 constexpr glm::vec3 background(0.07F, 0.08F, 0.10F);
 constexpr glm::vec3 ink(0.88F);
 constexpr glm::vec3 faint(0.32F);
 constexpr glm::vec3 sun_colour(1.0F, 0.80F, 0.25F);
 constexpr glm::vec3 sky_colour(0.45F, 0.70F, 1.0F);
 constexpr glm::vec3 moon_colour(0.85F, 0.85F, 0.80F);
-
-float luminance(const glm::vec3& rgb) {
-    return glm::dot(rgb, glm::vec3(0.2126F, 0.7152F, 0.0722F));
-}
 
 glm::vec3 behind(float sun_altitude_rad) {
     const float degrees = sun_altitude_rad / static_cast<float>(degree_rad);
@@ -45,39 +38,6 @@ std::string lux_text(const char* name, float lux) {
 }
 
 } // namespace
-
-std::vector<DaySample> day_light(const Observer& observer, const Atmosphere& atmosphere, double utc_j2000_s,
-                                 int count) {
-    // Seconds since local mean midnight; J2000 is a noon.
-    const double local = utc_j2000_s + 0.5 * day_s + observer.longitude_rad / (2.0 * pi) * day_s;
-    const double start = utc_j2000_s - (local - std::floor(local / day_s) * day_s);
-    Atmosphere level = atmosphere;
-    if (level.model == SkyModel::scattering) {
-        level.ozone_atm_cm = 0.35F;
-        level.turbidity = std::clamp(level.turbidity, 2.0F, 8.0F);
-        level.ground_albedo = glm::min(level.ground_albedo, glm::vec3(0.8F));
-    }
-    ephemeris::GeocentricCache cache;
-    std::vector<DaySample> day;
-    for (int i = 0; i < count; ++i) {
-        WorldClock clock;
-        clock.utc_j2000_s = start + day_s * i / (count - 1);
-        if (!ephemeris::inputs_valid(observer, clock)) {
-            return {};
-        }
-        const double delta_t_s = ephemeris::delta_t_of(clock);
-        const CelestialState bodies =
-            ephemeris::evaluate(observer, clock.utc_j2000_s, delta_t_s, cache.at(clock.utc_j2000_s + delta_t_s));
-        const sky::DayLight here =
-            sky::level_illuminance(sky::make_sky_state(bodies, atmosphere, observer.height_m), nullptr);
-        const sky::DayLight below = atmosphere.model == SkyModel::scattering
-                                        ? sky::level_illuminance(sky::make_sky_state(bodies, level), nullptr)
-                                        : here;
-        day.push_back({clock.utc_j2000_s, luminance(here.sun_lux), luminance(below.sky_lux), luminance(here.moon_lux),
-                       std::atan2(bodies.to_sun.z, std::hypot(bodies.to_sun.x, bodies.to_sun.y))});
-    }
-    return day;
-}
 
 float DayAxes::x(double part_of_day) const {
     return static_cast<float>(left) +
@@ -152,7 +112,7 @@ Canvas paint_day_chart(const std::vector<DaySample>& day, double utc_j2000_s, in
         canvas.text(x, 7, text, colour);
         x += Canvas::text_width(text) + 18;
     }
-    const std::string time = ephemeris::format_time(utc_j2000_s);
+    const std::string time = show_time(utc_j2000_s);
     canvas.text(axes.right - Canvas::text_width(time), 7, time, ink);
     return canvas;
 }

@@ -18,7 +18,8 @@ struct DaySample {
 
 // From one midnight of local mean time to the next around that moment, evenly; `count` at least 2. The sky's share of
 // SkyModel::scattering is that at sea level with 0.35 atm cm of ozone, for which no table is built: 10 % less light at
-// 700 m is a tenth of a line's width in the plot. Empty where date or place are out of the ephemeris' range.
+// 700 m is a tenth of a line's width in the plot. Empty where date or place are out of the ephemeris' range. A build
+// without the module ephemeris has none.
 [[nodiscard]] std::vector<DaySample> day_light(const Observer& observer, const Atmosphere& atmosphere,
                                                double utc_j2000_s, int count);
 

@@ -5,13 +5,14 @@
 
 #include <alpenglow/core/constants.hpp>
 #include <alpenglow/core/timing.hpp>
-#include <alpenglow/ephemeris/time.hpp>
 #include <alpenglow/sky/aerial_perspective.hpp>
 #include <alpenglow/sky/scattering.hpp>
 #include <alpenglow/sky/sky_state.hpp>
-#include <alpenglow/systems/ephemeris.hpp>
 #include <alpenglow/systems/sky.hpp>
 #include <alpenglow/systems/sky_light.hpp>
+#ifdef ALPENGLOW_WITH_EPHEMERIS
+#include <alpenglow/systems/ephemeris.hpp>
+#endif
 
 #include "sandbox/app/exposure.hpp"
 #include "sandbox/app/parts.hpp"
@@ -32,7 +33,8 @@ Game::Game(const Scene& scene, std::unique_ptr<World> world)
              .frame = {}} {
     registry_.emplace<WorldClock>(sky_);
     registry_.emplace<Observer>(sky_);
-    registry_.emplace<CelestialState>(sky_);
+    // Where no ephemeris moves it, the sun stands in the southwest, 35 degrees up.
+    registry_.emplace<CelestialState>(sky_, CelestialState{.to_sun = {-0.5792F, -0.5792F, 0.5736F}});
     registry_.emplace<Atmosphere>(sky_);
     // Terrain and objects are lit by three bands of the sky.
     registry_.emplace<SkyLightReceiver>(registry_.create(), SkyLightReceiver{.bands = 3});
@@ -59,7 +61,9 @@ void Game::update(double dt_s, int width, int height) {
     // The observer stands where the camera does: sky and sunlight are those of its height.
     observer().height_m = std::clamp(place_height_m_ + static_cast<double>(camera.position_m.z), -500.0, 80e3);
 
+#ifdef ALPENGLOW_WITH_EPHEMERIS
     reports_.push_back(update_ephemeris(registry_, stage_.frame));
+#endif
     reports_.push_back(update_sky(registry_, stage_.frame));
     reports_.push_back(update_sky_light(registry_, stage_.frame));
     reports_.push_back(update_dome());

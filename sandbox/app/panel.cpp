@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <alpenglow/ephemeris/time.hpp>
+#include "sandbox/scene/calendar.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
@@ -24,18 +24,18 @@ double azimuth_deg(const glm::vec3& direction) {
 
 void draw_time(Game& game, double shown_utc_j2000_s) {
     WorldClock& clock = game.clock();
-    ephemeris::CalendarTime date = ephemeris::calendar_from_utc(shown_utc_j2000_s);
+    Date date = date_of(shown_utc_j2000_s);
     int day[3] = {date.year, date.month, date.day};
     if (ImGui::InputInt3("date (UTC)", day, ImGuiInputTextFlags_EnterReturnsTrue)) {
         date.year = day[0];
         date.month = day[1];
         date.day = day[2];
         // A date that does not exist is left unsaid: the field shows the valid one again.
-        if (const auto utc = ephemeris::utc_from_calendar(date)) {
+        if (const auto utc = utc_of(date)) {
             clock.utc_j2000_s = *utc;
         }
     }
-    const double midnight = shown_utc_j2000_s - (date.hour * 3600.0 + date.minute * 60.0 + date.second);
+    const double midnight = shown_utc_j2000_s - date.seconds;
     auto hours = static_cast<float>((shown_utc_j2000_s - midnight) / 3600.0);
     if (ImGui::SliderFloat("hour (UTC)", &hours, 0.0F, 23.999F, "%.2f")) {
         clock.utc_j2000_s = midnight + static_cast<double>(hours) * 3600.0;
@@ -183,7 +183,7 @@ void draw_panel(Game& game, PanelState& state) {
     if (ImGui::Begin("Alpenglow")) {
         ImGui::Text("%.0f fps   %.1f ms CPU   %s", state.frame_wall_ms > 0.0 ? 1000.0 / state.frame_wall_ms : 0.0,
                     state.frame_cpu_ms, state.device.c_str());
-        ImGui::TextUnformatted((ephemeris::format_time(state.utc_j2000_s) + "   F1: help").c_str());
+        ImGui::TextUnformatted((show_time(state.utc_j2000_s) + "   F1: help").c_str());
         const CelestialState& bodies = game.celestial();
         ImGui::Text("sun  %6.2f up  %6.2f az   moon %6.2f up  %6.2f az", altitude_deg(bodies.to_sun),
                     azimuth_deg(bodies.to_sun), altitude_deg(bodies.to_moon), azimuth_deg(bodies.to_moon));

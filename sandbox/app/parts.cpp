@@ -37,6 +37,9 @@ namespace {
 // In the order of a frame: what moves the camera, what stands for the sky, what takes its light, what is drawn last.
 std::vector<std::unique_ptr<Part>> make_parts(Stage& stage, const Scene& scene) {
     std::vector<std::unique_ptr<Part>> parts;
+#ifndef ALPENGLOW_WITH_EPHEMERIS
+    leave_out(stage, "time_utc", "ephemeris"); // the sun stands still
+#endif
     if (scene.flight) {
         parts.push_back(std::make_unique<CameraFlight>(*scene.flight));
     }

@@ -94,7 +94,9 @@ bool SkyCharts::paint_day(const Stage& stage) {
     const bool today = !day_.empty() && now >= day_.front().utc_j2000_s && now <= day_.back().utc_j2000_s;
     const bool fresh = today && same(observer, day_observer_) && same(air, day_air_);
     if (!fresh) {
+#ifdef ALPENGLOW_WITH_EPHEMERIS
         day_ = day_light(observer, air, now, day_samples);
+#endif
         day_observer_ = observer;
         day_air_ = air;
     }

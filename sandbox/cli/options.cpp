@@ -10,7 +10,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include <alpenglow/ephemeris/time.hpp>
+#include "sandbox/scene/calendar.hpp"
+
 
 namespace alpenglow::sandbox {
 namespace {
@@ -116,7 +117,7 @@ Status interpret(const CLI::App& app, const Texts& texts, Options& options) {
         return status;
     }
     if (given("--time")) {
-        const Result<double> utc = ephemeris::parse_time(texts.time, "--time");
+        const Result<double> utc = read_time(texts.time, "--time");
         if (!utc) {
             return utc.error();
         }

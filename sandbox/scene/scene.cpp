@@ -1,6 +1,7 @@
 #include "scene.hpp"
 
 #include "builtin_scenes.hpp"
+#include "calendar.hpp"
 #include "reader.hpp"
 
 #include <algorithm>
@@ -15,7 +16,6 @@
 #include <nlohmann/json.hpp>
 
 #include <alpenglow/core/constants.hpp>
-#include <alpenglow/ephemeris/time.hpp>
 
 namespace alpenglow::sandbox {
 namespace {
@@ -129,7 +129,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& file) {
     if (top.failed()) {
         return top.error();
     }
-    const Result<double> utc = ephemeris::parse_time(scene.time_utc, top.where("time_utc"));
+    const Result<double> utc = read_time(scene.time_utc, top.where("time_utc"));
     if (!utc) {
         return utc.error();
     }
