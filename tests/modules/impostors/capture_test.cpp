@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
@@ -339,6 +341,109 @@ TEST(Resampling, VectorsAndScalarsDrawTheSame) {
             }
         }
     }
+}
+
+// Vectors of texels keep what single ones keep: every kind, with and without fill light, sharpening, open edges, bent
+// nodes and mips; odd sizes; texels that are not physical.
+TEST(Keeping, VectorsAndScalarsKeepTheSame) {
+    const test::BlobCloud cloud = test::make_blob_cloud(12, 8);
+    const auto close = [](const auto& a, const auto& b, float scale, const char* what) {
+        ASSERT_EQ(a.size(), b.size()) << what;
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            const auto d = glm::abs(a[i] - b[i]);
+            for (int c = 0; c < static_cast<int>(sizeof(d) / sizeof(float)); ++c) {
+                ASSERT_LE(d[c], 2e-4F * scale) << what << " at " << i << " channel " << c;
+            }
+        }
+    };
+    int variant = 0;
+    for (const Representation kind :
+         {Representation::plane, Representation::layers, Representation::depth_warp, Representation::warped_layers}) {
+        for (const int texels : {1, 5, 16, 61, 72}) {
+            CaptureSettings settings;
+            settings.representation = kind;
+            settings.layers = 6;
+            settings.sharpen = ++variant % 3 != 0;
+            settings.open_edges = variant % 2 == 0;
+            settings.warp_cell = variant % 4 == 1 ? 8 : 0;
+            settings.mips = variant % 5 != 0;
+            const bool fill = variant % 7 < 4;
+            const bool broken = variant % 6 == 2;
+            const bool inside = variant % 8 == 3;
+            const Drawable drawable = [&](const CaptureRequest& request, std::span<SlabImage> slabs) -> Status {
+                test::draw_blobs(cloud, request, slabs);
+                for (SlabImage& slab : slabs) {
+                    if (!fill) {
+                        slab.fill.clear();
+                    }
+                    if (broken) {
+                        slab.colour[slab.colour.size() / 3].y = std::numeric_limits<float>::quiet_NaN();
+                        slab.depth[slab.colour.size() / 2].x = std::numeric_limits<float>::infinity();
+                        slab.colour[slab.colour.size() / 2 + 1].w = 1.5F;
+                    }
+                }
+                return Ok{};
+            };
+            Frustum frustum = *fit_frustum(cloud.bounds, {0.4, -4, 0.3}, {0, 0, 1}, std::max(3, texels));
+            frustum.width = texels;
+            frustum.height = std::max(1, texels * 3 / 4);
+            if (inside) {
+                frustum = screen_aligned(look_at({0.1, -0.2, 0.05}, {1, 1, 0}, {0, 0, 1}, 1.2, texels, texels), 1.0);
+            }
+            const auto a = capture(cloud.bounds, frustum, settings, drawable);
+            const auto b = capture_scalar(cloud.bounds, frustum, settings, drawable);
+            ASSERT_TRUE(a);
+            ASSERT_TRUE(b);
+            EXPECT_EQ(a->rejected_texels, b->rejected_texels);
+            close(std::vector{a->mean}, std::vector{b->mean}, 1.0F, "mean");
+            ASSERT_EQ(a->layers.size(), b->layers.size());
+            for (std::size_t k = 0; k < a->layers.size(); ++k) {
+                const Layer& la = a->layers[k];
+                const Layer& lb = b->layers[k];
+                EXPECT_NEAR(la.plane_m, lb.plane_m, 1e-5 * lb.plane_m);
+                EXPECT_EQ(la.occupied, lb.occupied);
+                ASSERT_EQ(la.warp.size(), lb.warp.size());
+                for (std::size_t i = 0; i < la.warp.size(); ++i) {
+                    ASSERT_NEAR(la.warp[i], lb.warp[i], 2e-4F) << i;
+                }
+                ASSERT_EQ(la.mips.size(), lb.mips.size());
+                for (std::size_t n = 0; n < la.mips.size(); ++n) {
+                    close(la.mips[n].colour, lb.mips[n].colour, 2.0F, "colour");
+                    close(la.mips[n].fill, lb.mips[n].fill, 1.0F, "fill");
+                    close(la.mips[n].depth, lb.mips[n].depth, 1.0F, "depth");
+                }
+            }
+            const Sensitivity& sa = a->sensitivity;
+            const Sensitivity& sb = b->sensitivity;
+            EXPECT_NEAR(sa.resample, sb.resample, 1e-3 * sb.resample);
+            for (const auto& [ma, mb] : {std::pair{sa.radiance, sb.radiance}, std::pair{sa.alpha, sb.alpha}}) {
+                const double largest = mb[0][0] + mb[1][1] + mb[2][2];
+                for (int i = 0; i < 3; ++i) {
+                    for (int j = 0; j < 3; ++j) {
+                        EXPECT_NEAR(ma[i][j], mb[i][j], 1e-3 * largest) << texels << " " << static_cast<int>(kind);
+                    }
+                }
+            }
+        }
+    }
+}
+
+// Without mips there is level 0 alone, and what is drawn near its own size is the same.
+TEST(Keeping, MipsCanBeLeftOut) {
+    const test::BlobCloud cloud = test::make_blob_cloud(30, 8);
+    const Frustum frustum = *fit_frustum(cloud.bounds, {0, -4, 0}, {0, 0, 1}, 48);
+    CaptureSettings settings;
+    const auto with = capture(cloud.bounds, frustum, settings, test::drawable(cloud));
+    settings.mips = false;
+    const auto without = capture(cloud.bounds, frustum, settings, test::drawable(cloud));
+    ASSERT_TRUE(with && without);
+    EXPECT_EQ(without->layers.front().mips.size(), 1U);
+    const Frustum view = look_at({0.1, -4, 0}, {0, 0, 0}, {0, 0, 1}, 0.4, 48, 48);
+    std::vector<glm::vec4> a(48 * 48, glm::vec4(0.0F));
+    std::vector<glm::vec4> b(a);
+    draw(*with, view, {}, a);
+    draw(*without, view, {}, b);
+    EXPECT_EQ(a, b);
 }
 
 } // namespace

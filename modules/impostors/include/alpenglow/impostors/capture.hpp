@@ -122,6 +122,8 @@ struct CaptureSettings {
     // Warped kinds: > 0 lets the surface bend only at every so many texels (bilinear between), as a mesh of such cells
     // that a GPU draws for one fetch a pixel does. What a picture is off by is measured against that surface.
     int warp_cell = 0;
+    // Off: level 0 alone, for a renderer that makes its own mips or shows pictures near the size that they were taken.
+    bool mips = true;
 };
 
 // Slab borders for a capture: n slabs of equal thickness in inverse depth where the near side is well in front of the
@@ -136,6 +138,10 @@ struct CaptureSettings {
 // The same with slab borders given (ascending, at least two), for splitting around objects (003, section 3.2).
 [[nodiscard]] Result<Capture> capture(const Sphere& bounds, const Frustum& view, std::span<const double> edges_m,
                                       const CaptureSettings& settings, const Drawable& drawable);
+
+// The first in plain code and double, texel by texel: what a test holds capture() to.
+[[nodiscard]] Result<Capture> capture_scalar(const Sphere& bounds, const Frustum& view, const CaptureSettings& settings,
+                                             const Drawable& drawable);
 
 // Factors on key and fill radiance of a picture taken under `captured`, now that the lights are `now`. A channel that
 // was dark at capture stays dark (light_error says that the picture does not hold).
