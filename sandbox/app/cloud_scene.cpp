@@ -89,6 +89,7 @@ void CloudScene::add(std::shared_ptr<const clouds::BrickVolume> volume, const Cl
 // Layers wrap around after one repetition, so that distances stay small.
 void CloudScene::drift(double dt_s) {
     const double azimuth = static_cast<double>(settings.wind_from_deg) * degree_rad;
+    time_s_ += dt_s;
     drifted_m_ -= static_cast<double>(settings.wind_m_s) * dt_s * glm::dvec3(std::sin(azimuth), std::cos(azimuth), 0.0);
     for (const Item& item : entities_) {
         glm::dvec3 offset = drifted_m_;
@@ -234,8 +235,8 @@ void CloudScene::shade(Stage& stage) {
     const float through = shadow_.map().size > 0 ? shadow_.mean() : 1.0F;
     sky.sun_illuminance_lux *= through;
     sky.moon_illuminance_lux *= through;
-    const SceneLight lit =
-        scene_light(registry_.get<CelestialState>(stage.sky), sky, registry_.try_get<SkyTables>(stage.sky), below, 0.0F);
+    const SceneLight lit = scene_light(registry_.get<CelestialState>(stage.sky), sky,
+                                       registry_.try_get<SkyTables>(stage.sky), below, 0.0F);
     stage.light.irradiance_matrix = lit.irradiance_matrix;
     stage.light.average_luminance_cd_m2 = lit.average_luminance_cd_m2;
     // Air below a closed deck gets what the deck lets through; below a broken one, light enters through the gaps.
@@ -287,6 +288,7 @@ void CloudScene::measure_sky(const Stage& stage) {
 
 void CloudScene::update(Stage& stage) {
     SystemReport report{.system = "cloud_view", .considered = 1};
+    device_ = stage.quality == Quality::full && stage.storage_bytes > 0 && !too_large_;
     const double start = process_cpu_seconds();
     CloudsInView in_view;
     for (const clouds::LitCloud& cloud : lit_clouds(glm::dvec3(stage.camera.position_m))) {
@@ -297,14 +299,27 @@ void CloudScene::update(Stage& stage) {
     in_view.light_revision = light_revision_;
     in_view.terrain_vertices = stage.world.data.terrain.vertices;
     in_view.terrain_indices = stage.drawn.terrain_indices;
+    in_view.time_s = time_s_;
     const std::uint32_t before = view.revision();
-    const std::size_t rays = view.update(in_view, stage.camera, stage.width, stage.height);
+    view.settings.reshape_s = settings.reshape_s;
+    view.settings.on_device = settings.march == 0 && device_;
+    std::size_t rays = view.update(in_view, stage.camera, stage.width, stage.height);
+    if (view.settings.on_device && view.tables().bytes() > stage.storage_bytes) {
+        stage.problems.push_back({"the clouds' tables have " + std::to_string(view.tables().bytes()) +
+                                      " bytes: the CPU marches in the device's place",
+                                  "clouds",
+                                  "at most " + std::to_string(stage.storage_bytes) +
+                                      " bytes, what this device reads from one storage buffer"});
+        too_large_ = true;
+        view.settings.on_device = false;
+        rays = view.update(in_view, stage.camera, stage.width, stage.height);
+    }
     report.updated = rays > 0 ? 1 : 0;
     report.skipped = 1 - report.updated;
     report.cpu_ms = (process_cpu_seconds() - start) * 1e3;
     march_ms_ = rays > 0 ? report.cpu_ms : march_ms_;
     const clouds::Picture& picture = view.picture();
-    if (view.revision() != before) {
+    if (view.revision() != before && !view.settings.on_device) {
         double covered = 0.0;
         for (const float t : picture.transmittance) {
             covered += 1.0 - static_cast<double>(t);
@@ -312,13 +327,14 @@ void CloudScene::update(Stage& stage) {
         covered_ =
             static_cast<float>(covered / static_cast<double>(std::max<std::size_t>(1, picture.transmittance.size())));
     }
-    drawn_.width = picture.width;
-    drawn_.height = picture.height;
+    drawn_.width = view.camera().width;
+    drawn_.height = view.camera().height;
     drawn_.scale = view.scale();
     drawn_.radiance_cd_m2 = picture.radiance;
     drawn_.transmittance = picture.transmittance;
     drawn_.distance_m = picture.depth_m;
     drawn_.landscape_m = view.landscape_m();
+    drawn_.march = view.settings.on_device ? &view.tables().march() : nullptr;
     drawn_.revision = view.revision();
     drawn_.shadow = settings.shadows ? shadow_.map() : CloudShadowMap{};
     drawn_.shadow.offset_m += glm::vec2(drifted_m_);
@@ -330,6 +346,10 @@ void CloudScene::update(Stage& stage) {
 void CloudScene::draw_panel(PanelWriter& panel) {
     constexpr std::array names{"single", "Harris", "octaves", "transport"}; // as CloudMethod
     panel.choice("cloud light", names, settings.method);
+    constexpr std::array marches{"device", "CPU"};
+    if (device_) {
+        panel.choice("cloud march", marches, settings.march);
+    }
     panel.toggle("cloud shadows", settings.shadows);
     panel.slider("wind m/s", settings.wind_m_s, 0.0F, 60.0F);
     std::array<char, 96> line{};
@@ -337,11 +357,16 @@ void CloudScene::draw_panel(PanelWriter& panel) {
         std::snprintf(line.data(), line.size(), format, values...);
         panel.text(line.data());
     };
-    write("clouds     %zu   %.0f %% of the picture", entities_.size(), static_cast<double>(100.0F * covered_));
+    if (view.settings.on_device) {
+        write("clouds     %zu   %.1f MB of tables", entities_.size(),
+              static_cast<double>(view.tables().bytes()) * 1e-6);
+    } else {
+        write("clouds     %zu   %.0f %% of the picture", entities_.size(), static_cast<double>(100.0F * covered_));
+    }
     measure_error(); // only where somebody looks
     if (error_) {
-        write("error      %.3f RMSE  %+.1f %% bias  (noise %.2f)", error_->relative_rmse,
-              100.0 * error_->bias, error_->noise);
+        write("error      %.3f RMSE  %+.1f %% bias  (noise %.2f)", error_->relative_rmse, 100.0 * error_->bias,
+              error_->noise);
     }
     write("CPU ms     modelled %.0f   light %.1f   march %.1f", model_s_ * 1e3, bake_ms_, march_ms_);
 }

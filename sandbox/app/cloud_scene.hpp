@@ -63,6 +63,9 @@ private:
     BasicRegistry& registry_;
     std::vector<Item> entities_;
     glm::dvec3 drifted_m_{0.0};
+    double time_s_ = 0.0;    // that the scene's clock has run
+    bool device_ = false;    // there is one that can march
+    bool too_large_ = false; // for it
     bool first_frame_ = true;
     std::uint32_t light_revision_ = 0;
     std::vector<std::uint32_t> light_revisions_; // of each entity's CloudLight, as of the last look

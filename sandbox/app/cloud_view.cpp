@@ -37,6 +37,20 @@ double moved_m(std::span<const clouds::LitCloud> a, std::span<const clouds::LitC
     return most;
 }
 
+// From the camera to the nearest box of matter; a hundred metres at least.
+float nearest_box_m(std::span<const clouds::LitCloud> clouds, const clouds::Camera& camera) {
+    double nearest = 1e30;
+    for (const clouds::LitCloud& cloud : clouds) {
+        const clouds::GridTransform& transform = cloud.volume->transform();
+        const glm::dvec3 index = transform.index_from_world(camera.position_m - cloud.offset_m);
+        const glm::dvec3 outside = glm::max(
+            glm::max(glm::dvec3(cloud.volume->active_low()) - index, index - glm::dvec3(cloud.volume->active_high())),
+            glm::dvec3(0.0));
+        nearest = std::min(nearest, glm::length(outside * transform.voxel_m));
+    }
+    return static_cast<float>(std::max(nearest, 100.0));
+}
+
 } // namespace
 
 clouds::Camera cloud_camera(const Camera& camera, int width, int height, int divisor) {
@@ -54,8 +68,7 @@ clouds::Camera cloud_camera(const Camera& camera, int width, int height, int div
 
 // The fields are those of an eye that saw the nearest cell of the cloud within eye_turn_rad of the same direction, a
 // voxel at least.
-const clouds::CloudLighting::ViewFields* CloudView::fields_for(const clouds::LitCloud& cloud,
-                                                               std::uint32_t light_revision) {
+const CloudView::Eye& CloudView::eye_for(const clouds::LitCloud& cloud, std::uint32_t light_revision) {
     const glm::dvec3 eye = camera_.position_m - cloud.offset_m;
     const clouds::GridTransform& transform = cloud.volume->transform();
     const glm::dvec3 index = transform.index_from_world(eye);
@@ -68,30 +81,35 @@ const clouds::CloudLighting::ViewFields* CloudView::fields_for(const clouds::Lit
         if (known.lighting == cloud.lighting && known.light_revision == light_revision &&
             glm::length(known.at_m - eye) <= allowed) {
             known.used = true;
-            return known.fields.get();
+            return known;
         }
     }
     eyes_.push_back({cloud.lighting, light_revision, eye,
-                     std::make_unique<const clouds::CloudLighting::ViewFields>(cloud.lighting->contract(index)), true});
-    return eyes_.back().fields.get();
+                     std::make_unique<const clouds::CloudLighting::ViewFields>(cloud.lighting->contract(index)),
+                     next_revision(), true});
+    return eyes_.back();
 }
 
 void CloudView::start(const CloudsInView& view) {
     job_.clouds = view.clouds;
     job_.fields.clear();
+    job_.fields_revisions.clear();
+    job_.time_s = view.time_s;
     for (Eye& eye : eyes_) {
         eye.used = false;
     }
     for (const clouds::LitCloud& cloud : view.clouds) {
-        job_.fields.push_back(fields_for(cloud, view.light_revision));
+        const Eye& eye = eye_for(cloud, view.light_revision);
+        job_.fields.push_back(eye.fields.get());
+        job_.fields_revisions.push_back(eye.revision);
     }
     std::erase_if(eyes_, [](const Eye& eye) { return !eye.used; });
-    job_.picture = clouds::Picture(camera_.width, camera_.height);
+    job_.picture = settings.on_device ? clouds::Picture() : clouds::Picture(camera_.width, camera_.height);
     job_.rows_done = 0;
     job_.running = true;
 }
 
-std::size_t CloudView::march_rows(int until) {
+clouds::MarchSettings CloudView::march_settings() const {
     clouds::MarchSettings march;
     march.step_voxels = settings.step_voxels;
     march.optical_step = settings.optical_step;
@@ -102,7 +120,15 @@ std::size_t CloudView::march_rows(int until) {
         march.detail = &texture;
         march.detail_strength = settings.detail_strength;
         march.detail_cells = settings.detail_cells;
+        if (settings.reshape_s > 0.0F) {
+            march.detail_offsets = clouds::detail_drift(job_.time_s, static_cast<double>(settings.reshape_s));
+        }
     }
+    return march;
+}
+
+std::size_t CloudView::march_rows(int until) {
+    clouds::MarchSettings march = march_settings();
     march.rect = {0, job_.rows_done, camera_.width, std::min(until, camera_.height)};
     if (!march.rect.empty()) {
         const clouds::Picture rows = clouds::march(job_.clouds, camera_, march, job_.fields);
@@ -123,12 +149,22 @@ std::size_t CloudView::march_rows(int until) {
     return static_cast<std::size_t>(done) * static_cast<std::size_t>(camera_.width);
 }
 
+void CloudView::hand_over() {
+    std::vector<MarchedCloud> marched;
+    for (std::size_t i = 0; i < job_.clouds.size(); ++i) {
+        marched.push_back({job_.clouds[i], job_.fields[i], light_revision_, job_.fields_revisions[i]});
+    }
+    tables_.update(marched, camera_, march_settings());
+}
+
 void CloudView::finish() {
     std::swap(picture_, job_.picture);
+    shown_time_s_ = job_.time_s;
+    shown_on_device_ = settings.on_device;
     shown_ = std::move(job_.clouds);
     job_ = {};
     revision_ = next_revision();
-    nearest_m_ = 1e30F;
+    nearest_m_ = shown_on_device_ ? nearest_box_m(shown_, camera_) : 1e30F; // nobody reads the device's picture back
     for (std::size_t i = 0; i < picture_.depth_m.size(); ++i) {
         if (picture_.transmittance[i] < 0.95F) {
             nearest_m_ = std::min(nearest_m_, picture_.depth_m[i]);
@@ -136,33 +172,52 @@ void CloudView::finish() {
     }
 }
 
+// Of the clouds by the wind and of their detail, as far as a voxel's part of the texture goes.
+double CloudView::drift_m(const CloudsInView& view) const {
+    double most = moved_m(shown_, view.clouds);
+    if (settings.reshape_s > 0.0F && settings.detail_strength > 0.0F) {
+        constexpr double billow = clouds::DetailTexture::size / 8.0; // cells that it drifts in that time
+        double voxel = 0.0;
+        for (const clouds::LitCloud& cloud : view.clouds) {
+            voxel = std::max(voxel, cloud.volume->transform().voxel_m.x);
+        }
+        most += std::abs(view.time_s - shown_time_s_) / static_cast<double>(settings.reshape_s) * billow * voxel /
+                static_cast<double>(settings.detail_cells);
+    }
+    return most;
+}
+
 std::size_t CloudView::update(const CloudsInView& view, const Camera& camera, int width, int height) {
     const bool moving = has_last_camera_ && !same_view(camera, last_camera_);
     last_camera_ = camera;
     has_last_camera_ = true;
-    const int divisor = moving ? settings.moving_divisor : settings.still_divisor;
+    const int divisor = moving && !settings.on_device ? settings.moving_divisor : settings.still_divisor;
     const clouds::Camera wanted = cloud_camera(camera, width, height, divisor);
-    if (divisor != divisor_ || !same(wanted, camera_) || view.light_revision != light_revision_ || revision_ == 0 ||
-        moved_m(shown_, view.clouds) > 1e20) {
+    const bool anew = divisor != divisor_ || !same(wanted, camera_) || view.light_revision != light_revision_ ||
+                      revision_ == 0 || moved_m(shown_, view.clouds) > 1e20 || settings.on_device != shown_on_device_;
+    if (anew) {
         divisor_ = divisor;
         camera_ = wanted;
         light_revision_ = view.light_revision;
         landscape_distance(camera_, view.terrain_vertices, view.terrain_indices, landscape_m_);
-        start(view);
-        const std::size_t rays = march_rows(camera_.height);
-        finish();
-        return rays;
-    }
-    if (!job_.running) {
+    } else if (!job_.running) {
         const float pixel_m = 2.0F * camera_.tan_half_height / static_cast<float>(camera_.height) * nearest_m_;
-        if (moved_m(shown_, view.clouds) <= static_cast<double>(settings.drift_pixels * pixel_m)) {
+        if (drift_m(view) <= static_cast<double>(settings.drift_pixels * pixel_m)) {
             return 0;
         }
+    }
+    if (anew || !job_.running) {
         start(view);
     }
-    const int rows = (camera_.height + settings.spread_frames - 1) / std::max(1, settings.spread_frames);
-    const std::size_t rays = march_rows(job_.rows_done + rows);
-    if (job_.rows_done >= camera_.height) {
+    std::size_t rays = 0;
+    if (settings.on_device) {
+        hand_over();
+        rays = static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height);
+    } else {
+        const int rows = (camera_.height + settings.spread_frames - 1) / std::max(1, settings.spread_frames);
+        rays = march_rows(anew ? camera_.height : job_.rows_done + rows);
+    }
+    if (settings.on_device || job_.rows_done >= camera_.height) {
         finish();
     }
     return rays;

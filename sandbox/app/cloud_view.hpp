@@ -9,6 +9,7 @@
 
 #include <alpenglow/clouds/march.hpp>
 
+#include "sandbox/app/cloud_tables.hpp"
 #include "sandbox/world/camera.hpp"
 #include "sandbox/world/render_data.hpp"
 
@@ -18,6 +19,7 @@ namespace alpenglow::sandbox {
 struct CloudsInView {
     std::vector<clouds::LitCloud> clouds;
     std::uint32_t light_revision = 0; // moves when the clouds' light or shape does, not with the wind
+    double time_s = 0.0;              // by which their detail drifts
     std::span<const Vertex> terrain_vertices;
     std::span<const std::uint32_t> terrain_indices;
 };
@@ -32,6 +34,8 @@ struct CloudViewSettings {
     float optical_step = 0.25F;
     float detail_strength = 2.2F; // 0: none
     float detail_cells = 2.0F;    // of its texture a voxel
+    float reshape_s = 0.0F;       // in which detail has become another, see clouds::detail_drift(); 0: it stands still
+    bool on_device = false;       // the device marches: tables() in place of picture(), always at still_divisor
 };
 
 class CloudView {
@@ -41,7 +45,8 @@ public:
     // Brings the picture up to date; returns the rays marched. `width`, `height`: of the screen.
     std::size_t update(const CloudsInView& view, const Camera& camera, int width, int height);
 
-    [[nodiscard]] const clouds::Picture& picture() const { return picture_; }
+    [[nodiscard]] const clouds::Picture& picture() const { return picture_; } // empty where the device marches
+    [[nodiscard]] const CloudTables& tables() const { return tables_; }
     [[nodiscard]] const clouds::Camera& camera() const { return camera_; }
     [[nodiscard]] const std::vector<float>& landscape_m() const { return landscape_m_; }
     [[nodiscard]] float scale() const { return static_cast<float>(divisor_); }
@@ -52,6 +57,8 @@ private:
     struct Job {
         std::vector<clouds::LitCloud> clouds;
         std::vector<const clouds::CloudLighting::ViewFields*> fields; // of `eyes_`
+        std::vector<std::uint32_t> fields_revisions;
+        double time_s = 0.0;
         clouds::Picture picture;
         int rows_done = 0;
         bool running = false;
@@ -60,6 +67,9 @@ private:
     // Rows up to `until`; returns the rays marched.
     std::size_t march_rows(int until);
     void finish();
+    void hand_over();                                             // to the device, in place of march_rows()
+    [[nodiscard]] clouds::MarchSettings march_settings() const;   // of the job
+    [[nodiscard]] double drift_m(const CloudsInView& view) const; // of what is shown
 
     // Fields contracted for an eye, kept while the eye has moved little against its distance.
     struct Eye {
@@ -67,9 +77,10 @@ private:
         std::uint32_t light_revision = 0;
         glm::dvec3 at_m{0.0}; // relative to the cloud's offset
         std::unique_ptr<const clouds::CloudLighting::ViewFields> fields;
+        std::uint32_t revision = 0;
         bool used = false;
     };
-    const clouds::CloudLighting::ViewFields* fields_for(const clouds::LitCloud& cloud, std::uint32_t light_revision);
+    const Eye& eye_for(const clouds::LitCloud& cloud, std::uint32_t light_revision);
 
     std::vector<Eye> eyes_;
     clouds::Camera camera_; // of the picture and of the job
@@ -77,6 +88,9 @@ private:
     std::vector<float> landscape_m_;
     clouds::Picture picture_;
     std::vector<clouds::LitCloud> shown_; // in the picture
+    double shown_time_s_ = 0.0;
+    bool shown_on_device_ = false;
+    CloudTables tables_;
     float nearest_m_ = 1e30F;
     std::uint32_t light_revision_ = 0;
     std::uint32_t revision_ = 0;

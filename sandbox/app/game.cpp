@@ -50,6 +50,7 @@ void Game::update(double dt_s, int width, int height) {
     stage_.width = width;
     stage_.height = height;
     stage_.quality = quality;
+    stage_.storage_bytes = storage_bytes;
     reports_.clear();
     for (const std::unique_ptr<Part>& part : parts_) {
         part->begin(stage_);

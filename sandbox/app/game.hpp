@@ -50,6 +50,7 @@ public:
     void wait();
 
     Quality quality = Quality::lean; // of the renderer
+    std::uint64_t storage_bytes = 0; // see Stage
     // What the player may turn.
     Camera camera;
     float exposure_bias_ev = 0.0F;

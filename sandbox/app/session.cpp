@@ -75,6 +75,7 @@ Result<std::unique_ptr<Session>> Session::create(const vulkan::Instance& instanc
     }
     s.renderer = std::move(renderer).value();
     s.game->quality = s.renderer->quality();
+    s.game->storage_bytes = device.info().limits.maxStorageBufferRange;
     s.game->capture_with([&s](const FrameData& frame, const glm::vec3& point_m, int face, std::span<glm::vec3> texels) {
         if (const Status captured = s.renderer->capture(frame, point_m, face, texels); !captured) {
             s.panel_.message = captured.error().message();

@@ -71,6 +71,9 @@ Status CloudLayer::fit(std::size_t picture, VkExtent2D extent) {
 }
 
 Status CloudLayer::upload(const FrameData& frame, VkExtent2D extent, std::uint32_t /*slot*/, DrawStats& stats) {
+    if (frame.clouds->march != nullptr) {
+        return marcher_.upload(frame, extent, stats);
+    }
     if (const Status created = create(); !created) {
         return created;
     }
@@ -106,7 +109,11 @@ Status CloudLayer::upload(const FrameData& frame, VkExtent2D extent, std::uint32
     return status;
 }
 
-void CloudLayer::record_before(VkCommandBuffer commands, const FrameData& /*frame*/, DrawStats& /*stats*/) {
+void CloudLayer::record_before(VkCommandBuffer commands, const FrameData& frame, DrawStats& /*stats*/) {
+    if (frame.clouds->march != nullptr) {
+        marcher_.record_before(commands);
+        return;
+    }
     if (!std::exchange(copy_, false)) {
         return;
     }
@@ -132,6 +139,10 @@ void CloudLayer::record_before(VkCommandBuffer commands, const FrameData& /*fram
 }
 
 void CloudLayer::record_blended(VkCommandBuffer commands, const FrameData& frame, DrawStats& stats) {
+    if (frame.clouds->march != nullptr) {
+        marcher_.record_blended(commands, frame, stats);
+        return;
+    }
     if (vertex_count_ == 0) {
         return;
     }
@@ -153,8 +164,11 @@ void CloudLayer::record_blended(VkCommandBuffer commands, const FrameData& frame
 }
 
 std::vector<vulkan::ReloadablePipeline*> CloudLayer::pipelines() {
-    return pipeline_ ? std::vector<vulkan::ReloadablePipeline*>{&*pipeline_}
-                     : std::vector<vulkan::ReloadablePipeline*>{};
+    std::vector<vulkan::ReloadablePipeline*> all = marcher_.pipelines();
+    if (pipeline_) {
+        all.push_back(&*pipeline_);
+    }
+    return all;
 }
 
 } // namespace alpenglow::sandbox

@@ -9,6 +9,7 @@
 #include <alpenglow/vulkan/pipeline.hpp>
 
 #include "sandbox/render/cloud_image.hpp"
+#include "sandbox/render/cloud_march.hpp"
 #include "sandbox/render/dynamic_buffer.hpp"
 #include "sandbox/render/image_sets.hpp"
 #include "sandbox/render/layer.hpp"
@@ -17,7 +18,7 @@ namespace alpenglow::sandbox {
 
 class CloudLayer final : public Layer {
 public:
-    explicit CloudLayer(const LayerContext& context) : context_(context) {}
+    explicit CloudLayer(const LayerContext& context) : context_(context), marcher_(context) {}
 
     [[nodiscard]] bool wanted(const FrameData& frame) const override {
         return frame.clouds != nullptr && !frame.capturing;
@@ -32,6 +33,7 @@ private:
     Status fit(std::size_t picture, VkExtent2D extent);
 
     LayerContext context_;
+    CloudMarcher marcher_; // of pictures that the device makes; the rest is for the CPU's
     std::optional<vulkan::ReloadablePipeline> pipeline_;
     // As DynamicBuffer: one image a frame in flight, used in turn.
     std::vector<std::optional<vulkan::Image>> pictures_;

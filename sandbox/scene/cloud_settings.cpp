@@ -57,6 +57,7 @@ CloudFileSettings read_file(Reader& section) {
 
 CloudSettings read_cloud_settings(Reader& section) {
     constexpr std::array<std::string_view, 4> methods{"single-scattering", "harris", "octaves", "transport"};
+    constexpr std::array<std::string_view, 2> marches{"auto", "cpu"};
     CloudSettings settings;
     settings.folder = std::filesystem::path(section.file()).parent_path().string();
     settings.scene = std::filesystem::path(section.file()).stem().string();
@@ -66,6 +67,8 @@ CloudSettings read_cloud_settings(Reader& section) {
     section.number("wind_from_deg", -360.0, 360.0, settings.wind_from_deg);
     section.name("method", methods, settings.method);
     section.boolean("shadows", settings.shadows);
+    section.name("march", marches, settings.march);
+    section.number("reshape_s", 0.0, 1e6, settings.reshape_s);
     return settings;
 }
 

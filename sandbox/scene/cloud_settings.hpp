@@ -47,6 +47,8 @@ struct CloudSettings {
     float wind_from_deg = 270.0F; // azimuth that the wind comes from, from north through east
     int method = 3;               // as CloudMethod
     bool shadows = true;          // on terrain and objects
+    int march = 0;                // 0: by the device where the quality is full and it can; 1: by the CPU
+    float reshape_s = 600.0F;     // in which what is finer than a voxel has become another; 0: never
     std::string folder;           // of the scene file
     std::string scene;            // its name, or the file's
 };

@@ -1,8 +1,10 @@
 // What a scene with clouds draws beside the landscape (render_data.hpp): plain data, no Vulkan.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -24,6 +26,27 @@ struct CloudShadowMap {
     std::uint32_t revision = 0; // of the texels
 };
 
+// Words for a storage buffer of the device. Equal revision: equal words but for the first `header`, which are small.
+struct CloudTable {
+    std::span<const std::uint32_t> words;
+    std::size_t header = 0;
+    std::uint32_t revision = 0;
+};
+
+// A cloud of a picture that the device marches (shaders/alpenglow/cloud.glsl).
+struct CloudPlace {
+    std::uint32_t volume = 0, light = 0, view = 0;  // of CloudMarch::tables
+    glm::vec3 eye{0.0F};                            // voxels from the volume's corner
+    glm::vec3 forward{0.0F}, right{0.0F}, up{0.0F}; // of the camera, the grid's frame
+    glm::vec3 voxel_m{1.0F};
+};
+
+struct CloudMarch {
+    std::vector<CloudTable> tables; // the first: detail
+    std::vector<CloudPlace> clouds; // in any order
+    float tan_half_height = 1.0F;   // of the picture
+};
+
 // The clouds' picture, seen with the frame's camera, at reduced resolution. Spans stay valid during draw(). Equal
 // revision: equal picture.
 struct CloudRenderData {
@@ -35,7 +58,8 @@ struct CloudRenderData {
     std::span<const float> transmittance;
     std::span<const float> distance_m;
     std::span<const float>
-        landscape_m; // distance to the landscape; 1e30: none. Clouds behind it are not in the picture
+        landscape_m;                   // distance to the landscape; 1e30: none. Clouds behind it are not in the picture
+    const CloudMarch* march = nullptr; // the device makes the picture: radiance, transmittance and distance are empty
     std::uint32_t revision = 0;
     CloudShadowMap shadow;
 };

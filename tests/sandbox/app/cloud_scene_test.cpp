@@ -74,6 +74,74 @@ TEST_F(CloudSceneTest, TheWindMovesTheShadowWithoutMakingItAgainAndThePictureInP
     EXPECT_GT(marched, 0U);
 }
 
+// A device that marches gets the tables in place of the picture: bricks and light once, an eye's fields when it has
+// moved on, and what drifts in the few words ahead of them.
+TEST_F(CloudSceneTest, TheDevicesTablesStayWhileTheyHold) {
+    game_->quality = Quality::full;
+    game_->storage_bytes = std::uint64_t(1) << 27;
+    game_->enter(cloudy(1.0));
+    game_->part<CloudScene>()->settings.wind_m_s = 50.0F;
+    update(0.0);
+    ASSERT_NE(game_->frame().clouds->march, nullptr);
+    const CloudMarch before = *game_->frame().clouds->march;
+    const std::uint32_t picture = game_->frame().clouds->revision;
+    ASSERT_FALSE(before.clouds.empty());
+    for (int frame = 0; frame < 30; ++frame) {
+        update(1.0 / 60.0);
+    }
+    const CloudMarch& after = *game_->frame().clouds->march;
+    EXPECT_NE(game_->frame().clouds->revision, picture); // the wind has moved it
+    ASSERT_EQ(after.tables.size(), before.tables.size());
+    for (std::size_t i = 0; i < after.tables.size(); ++i) {
+        EXPECT_EQ(after.tables[i].revision, before.tables[i].revision) << i;
+    }
+    EXPECT_NE(after.clouds.front().eye, before.clouds.front().eye);
+    game_->quality = Quality::lean;
+}
+
+TEST_F(CloudSceneTest, WhereTheTablesDoNotFitTheCpuMarchesAndTheMessageSaysSo) {
+    game_->quality = Quality::full;
+    game_->storage_bytes = 4096;
+    game_->enter(cloudy());
+    update(0.0);
+    EXPECT_EQ(game_->frame().clouds->march, nullptr);
+    EXPECT_FALSE(game_->frame().clouds->transmittance.empty());
+    const std::vector<Error> problems = game_->take_problems();
+    ASSERT_EQ(problems.size(), 1U);
+    EXPECT_NE(problems[0].message().find("4096 bytes"), std::string::npos) << problems[0].message();
+    update(1.0 / 60.0);
+    EXPECT_TRUE(game_->take_problems().empty());
+    EXPECT_EQ(report("cloud_view")->updated, 0U);
+    game_->quality = Quality::lean;
+}
+
+// What is finer than a voxel changes with time alone: pictures, but neither light nor shadow.
+TEST_F(CloudSceneTest, DetailReshapesCloudsWithoutLight) {
+    Scene scene = cloudy(1.0);
+    scene.clouds->reshape_s = 20.0F;
+    scene.clouds->wind_m_s = 0.0F;
+    game_->enter(scene);
+    update(0.0);
+    const std::vector<float> before(game_->frame().clouds->transmittance.begin(),
+                                    game_->frame().clouds->transmittance.end());
+    const std::uint32_t shadow = game_->frame().clouds->shadow.revision;
+    for (int frame = 0; frame < 60; ++frame) {
+        update(1.0 / 3.0); // in all the time in which they have become others
+        EXPECT_EQ(report("clouds")->updated, 0U);
+    }
+    const std::span<const float> after = game_->frame().clouds->transmittance;
+    ASSERT_EQ(after.size(), before.size());
+    double change = 0.0;
+    double cover = 0.0;
+    for (std::size_t i = 0; i < after.size(); ++i) {
+        change += std::abs(double(after[i]) - double(before[i]));
+        cover += 1.0 - double(before[i]);
+    }
+    EXPECT_GT(change, 0.02 * cover);
+    EXPECT_LT(change, 0.5 * cover); // the same clouds
+    EXPECT_EQ(game_->frame().clouds->shadow.revision, shadow);
+}
+
 TEST_F(CloudSceneTest, ClearAndCoveredAreTheEndsOfTheShadow) {
     Scene scene = cloudy();
     scene.clouds->layers.front().cover = 0.0F;
