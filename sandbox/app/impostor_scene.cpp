@@ -23,8 +23,10 @@ namespace alpenglow::sandbox {
 namespace {
 
 constexpr int kKinds = 5;
-constexpr double kVoxel_m = 8.0;
-constexpr float kExtinction_per_m = 0.12F;
+constexpr double kVoxelsAcross = 77.5; // of a cloud's longer side, about
+constexpr float kUsual_m = 620.0F;
+constexpr float kExtinction_per_m = 0.12F; // of a cloud of this size; others are as thick
+constexpr float kDetailCells = 1.6F;       // of the texture a voxel
 constexpr int kAtlasSide = 2048;
 constexpr int kLeastStrip = 512; // rows below the atlas, for what is drawn anew in every frame
 constexpr int kDividedLayers = 3;
@@ -97,7 +99,8 @@ void draw_depth(std::span<const ColorVertex> triangles, const impostors::Frustum
 } // namespace
 
 ImpostorScene::ImpostorScene(Stage& stage, const ImpostorSettings& settings)
-    : stage_(stage), settings_(settings), registry_(stage.registry) {
+    : stage_(stage), settings_(settings), voxel_m_(static_cast<double>(settings.size_m) / kVoxelsAcross),
+      registry_(stage.registry) {
     view_ = registry_.create();
     registry_.emplace<ImpostorView>(view_);
     light_ = registry_.create();
@@ -129,15 +132,15 @@ void ImpostorScene::add_clouds(BasicRegistry& registry) {
     for (int k = 0; k < std::min(kKinds, settings_.clouds); ++k) {
         clouds::SparseGrid grid = clouds::coarsen(clouds::cumulus_of_study(static_cast<std::uint32_t>(k) + 1U), 1);
         clouds::GridTransform transform = grid.transform();
-        transform.origin_m *= kVoxel_m / transform.voxel_m.x;
-        transform.voxel_m = glm::dvec3(kVoxel_m);
+        transform.origin_m *= voxel_m_ / transform.voxel_m.x;
+        transform.voxel_m = glm::dvec3(voxel_m_);
         grid.set_transform(transform);
         Kind kind;
         kind.volume = std::make_shared<const clouds::BrickVolume>(grid);
         kind.entity = registry.create();
         CloudVolume volume;
         volume.volume = kind.volume;
-        volume.extinction_per_m = kExtinction_per_m;
+        volume.extinction_per_m = settings_.opacity * kExtinction_per_m * kUsual_m / settings_.size_m;
         volume.albedo = 0.998F;
         volume.anisotropy = 0.8F;
         registry.emplace<CloudVolume>(kind.entity, volume);
@@ -151,7 +154,7 @@ void ImpostorScene::add_clouds(BasicRegistry& registry) {
         cloud.kind = i * 7 % kinds_.size();
         const clouds::BrickVolume& volume = *kinds_[cloud.kind].volume;
         const impostors::Sphere still = cloud_bounds(volume);
-        const double half_height = 0.5 * kVoxel_m * static_cast<double>(volume.active_high().z - volume.active_low().z);
+        const double half_height = 0.5 * voxel_m_ * static_cast<double>(volume.active_high().z - volume.active_low().z);
         cloud.offset_m = places[i] + glm::dvec3(0.0, 0.0, half_height) - still.centre_m;
         cloud.centre_m = still.centre_m + cloud.offset_m;
         cloud.radius_m = still.radius_m;
@@ -223,8 +226,8 @@ void ImpostorScene::update_craft(Stage& stage) {
         for (Cloud& cloud : clouds_) {
             const clouds::BrickVolume& volume = *kinds_[cloud.kind].volume;
             const glm::dvec3 p = volume.transform().index_from_world(craft.position_m - cloud.offset_m);
-            const glm::dvec3 low = glm::dvec3(volume.active_low()) - kTouch_m / kVoxel_m;
-            const glm::dvec3 high = glm::dvec3(volume.active_high()) + kTouch_m / kVoxel_m;
+            const glm::dvec3 low = glm::dvec3(volume.active_low()) - kTouch_m / voxel_m_;
+            const glm::dvec3 high = glm::dvec3(volume.active_high()) + kTouch_m / voxel_m_;
             if (glm::any(glm::lessThan(p, low)) || glm::any(glm::greaterThan(p, high))) {
                 continue;
             }
@@ -285,6 +288,7 @@ void ImpostorScene::capture(Stage& stage) {
         subject.volume = kinds_[cloud.kind].volume.get();
         subject.lighting = light.lighting.get();
         subject.offset_m = cloud.offset_m;
+        subject.march = march_settings();
         return &(drawables[id] = cloud_drawable(subject));
     };
     impostors::Plan plan = f.plan; // screen-aligned pictures are this part's own: see march_inside
@@ -459,6 +463,16 @@ void ImpostorScene::add_item(const impostors::DrawItem& item, const impostors::S
     }
 }
 
+clouds::MarchSettings ImpostorScene::march_settings() const {
+    clouds::MarchSettings settings;
+    if (settings_.detail > 0.0F) {
+        settings.detail = &detail_;
+        settings.detail_strength = settings_.detail;
+        settings.detail_cells = kDetailCells;
+    }
+    return settings;
+}
+
 void ImpostorScene::march_inside(std::size_t index, const impostors::Frustum& view, InsidePicture& picture) const {
     const Cloud& cloud = clouds_[index];
     const CloudLight& light = registry_.get<CloudLight>(kinds_[cloud.kind].entity);
@@ -466,7 +480,7 @@ void ImpostorScene::march_inside(std::size_t index, const impostors::Frustum& vi
     picture.height = view.height;
     std::vector<float> distance(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height), 1e30F);
     draw_depth(craft_triangles_, view, distance);
-    clouds::MarchSettings settings;
+    clouds::MarchSettings settings = march_settings();
     settings.scene_depth_m = distance;
     settings.optical_step = 0.25F; // as the picture is coarser anyway
     const clouds::Picture marched =
@@ -650,7 +664,7 @@ void ImpostorScene::show_direct(Stage& stage) {
     }
     std::vector<float> distance(static_cast<std::size_t>(stage.width) * static_cast<std::size_t>(stage.height), 1e30F);
     draw_depth(craft_triangles_, frustum, distance);
-    clouds::MarchSettings settings;
+    clouds::MarchSettings settings = march_settings();
     settings.scene_depth_m = distance;
     const clouds::Picture picture = clouds::march(lit, cloud_camera(frustum), settings);
     direct_texels_.resize(distance.size());

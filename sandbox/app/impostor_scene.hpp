@@ -9,7 +9,9 @@
 #include <vector>
 
 #include <alpenglow/clouds/bricks.hpp>
+#include <alpenglow/clouds/detail.hpp>
 #include <alpenglow/clouds/lighting.hpp>
+#include <alpenglow/clouds/march.hpp>
 #include <alpenglow/clouds/view.hpp>
 #include <alpenglow/components/cloud.hpp>
 #include <alpenglow/impostors/store.hpp>
@@ -73,6 +75,7 @@ private:
     void march_inside(std::size_t cloud, const impostors::Frustum& view, InsidePicture& picture) const;
 
     void show_direct(Stage& stage);
+    [[nodiscard]] clouds::MarchSettings march_settings() const;
     void add_clouds(BasicRegistry& registry);
     void update_kinds(Stage& stage);
     void update_craft(Stage& stage);
@@ -86,6 +89,8 @@ private:
 
     Stage& stage_;
     ImpostorSettings settings_;
+    double voxel_m_ = 8.0;
+    clouds::DetailTexture detail_;
     BasicRegistry& registry_;
     std::vector<Kind> kinds_;
     std::vector<Cloud> clouds_;

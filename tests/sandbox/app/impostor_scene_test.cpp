@@ -6,12 +6,14 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <set>
 #include <string_view>
 #include <vector>
 
 #include <glm/geometric.hpp>
 
 #include "one_game.hpp"
+#include "sandbox/app/camera_flight.hpp"
 #include "sandbox/app/impostor_scene.hpp"
 #include "sandbox/app/picture_difference.hpp"
 #include "sandbox/world/impostor_render_data.hpp"
@@ -102,6 +104,36 @@ TEST_F(ImpostorSceneTest, KeysOutlineAndMarchDirectly) {
     update();
     EXPECT_FALSE(drawn().indices.empty());
     EXPECT_FALSE(part().press('?'));
+}
+
+TEST(FlyThroughTest, GoesThroughTwoCloudsInTenSeconds) {
+    const Scene scene = *load_scene("fly-through");
+    ASSERT_TRUE(scene.impostors && scene.flight);
+    const std::vector<glm::dvec3> places =
+        cloud_places(scene.impostors->clouds, static_cast<double>(scene.impostors->field_m),
+                     static_cast<double>(scene.impostors->base_m));
+    const double size = static_cast<double>(scene.impostors->size_m);
+    std::set<std::size_t> entered;
+    std::set<std::size_t> near;
+    glm::dvec3 before(flight_at(*scene.flight, 0.0).position_m);
+    for (int frame = 1; frame < 600; ++frame) {
+        const glm::dvec3 here(flight_at(*scene.flight, frame / 60.0).position_m);
+        const double speed = glm::length(here - before) * 60.0;
+        EXPECT_GE(speed, 80.0) << frame;
+        EXPECT_LE(speed, 200.0) << frame;
+        before = here;
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const glm::dvec3 from = here - places[i]; // from the middle of its base; clouds are 0.54 sizes high
+            if (std::hypot(from.x, from.y) < 0.25 * size && from.z > 0.0 && from.z < 0.5 * size) {
+                entered.insert(i);
+            }
+            if (glm::length(from) < 2.0 * size) {
+                near.insert(i);
+            }
+        }
+    }
+    EXPECT_GE(entered.size(), 2U);
+    EXPECT_GE(near.size(), 8U);
 }
 
 TEST(SquadronTest, FliesAClosedPathWithoutJumps) {
