@@ -23,7 +23,7 @@ const Case scattering_case("sky/scattering tables", [](const Context& context) {
     sky::ScatteringTables tables(air);
     Row row{.module = "sky",
             .name = "scattering tables",
-            .method = "sun's light 128 x 128",
+            .method = "sun's light 128 x 160",
             .error_metric = "max absolute, 5 heights to 60 km, sun over the limb",
             .reference = "double, 256 nodes"};
     for (double h : {0.0, 1.3, 7.7, 25.0, 60.0}) {

@@ -160,11 +160,40 @@ constexpr float gauss_x[12] = {0.009219683F, 0.047941372F, 0.115048663F, 0.20634
 constexpr float gauss_w[12] = {0.023587668F, 0.053469663F, 0.080039164F, 0.101583713F, 0.116746268F, 0.124573523F,
                                0.124573523F, 0.116746268F, 0.101583713F, 0.080039164F, 0.053469663F, 0.023587668F};
 
+// The ozone's tent along a ray that rises from s = `lowest` to `end`, up to 40 km, piece by piece between its kinks:
+// heights are close to parabolas in s, for which three Gauss-Legendre nodes are exact.
+V OzoneColumn(float r, float height_km, V along, V lowest, V end) {
+    const D d;
+    constexpr float nodes[3] = {0.112701665F, 0.5F, 0.887298335F};
+    constexpr float weights[3] = {0.277777778F, 0.444444444F, 0.277777778F};
+    const auto reaches = [&](float h) {
+        const V rise = hn::Set(d, (h - height_km) * (2.0F * r + h - height_km));
+        const V root = hn::Sqrt(hn::Max(hn::MulAdd(along, along, rise), hn::Zero(d)));
+        return hn::Min(hn::Max(hn::Sub(root, along), lowest), end);
+    };
+    V column = hn::Zero(d);
+    V from = reaches(10.0F);
+    for (int piece = 0; piece < 2; ++piece) {
+        const V to = reaches(piece == 0 ? 25.0F : 40.0F);
+        const V length = hn::Sub(to, from);
+        for (int k = 0; k < 3; ++k) {
+            const V s = hn::MulAdd(length, hn::Set(d, nodes[k]), from);
+            const V squared = hn::Mul(s, hn::MulAdd(hn::Set(d, 2.0F), along, s));
+            const V root = hn::Sqrt(hn::Max(hn::Add(squared, hn::Set(d, r * r)), hn::Zero(d)));
+            const V h = hn::Add(hn::Set(d, height_km), hn::Div(squared, hn::Add(root, hn::Set(d, r))));
+            const V tent =
+                hn::NegMulAdd(hn::Abs(hn::Sub(h, hn::Set(d, 25.0F))), hn::Set(d, 1.0F / 15.0F), hn::Set(d, 1.0F));
+            column = hn::MulAdd(hn::Mul(length, hn::Set(d, weights[k])), hn::Max(tent, hn::Zero(d)), column);
+        }
+        from = to;
+    }
+    return column;
+}
+
 void ShellColumns(const ShellKernel& shell, float height_km, const float* mu, float (*out)[march_lanes]) {
     const D d;
     const float r = shell.radius_km + height_km;
     const V zero = hn::Zero(d);
-    const V one = hn::Set(d, 1.0F);
     for (std::size_t lane = 0; lane < march_lanes; lane += hn::Lanes(d)) {
         const V m = hn::LoadU(d, mu + lane);
         const V along = hn::Mul(hn::Set(d, r), m);
@@ -173,7 +202,11 @@ void ShellColumns(const ShellKernel& shell, float height_km, const float* mu, fl
         const V lowest = hn::Max(hn::Neg(along), zero);
         V rayleigh = zero;
         V mie = zero;
-        V ozone = zero;
+        // Rays that go down first come up to their height once more.
+        V ozone = OzoneColumn(r, height_km, along, lowest, end);
+        if (!hn::AllTrue(d, hn::Eq(lowest, zero))) {
+            ozone = hn::Add(ozone, OzoneColumn(r, height_km, along, lowest, hn::Add(lowest, lowest)));
+        }
         for (int side = 0; side < 2; ++side) {
             const V length = side == 0 ? hn::Sub(end, lowest) : hn::Neg(lowest);
             const V size = hn::Abs(length);
@@ -188,8 +221,6 @@ void ShellColumns(const ShellKernel& shell, float height_km, const float* mu, fl
                 rayleigh =
                     hn::MulAdd(w, exponential(hn::Mul(h, hn::Set(d, -1.0F / shell.rayleigh_height_km))), rayleigh);
                 mie = hn::MulAdd(w, exponential(hn::Mul(h, hn::Set(d, -1.0F / shell.mie_height_km))), mie);
-                const V tent = hn::NegMulAdd(hn::Abs(hn::Sub(h, hn::Set(d, 25.0F))), hn::Set(d, 1.0F / 15.0F), one);
-                ozone = hn::MulAdd(w, hn::Max(tent, zero), ozone);
             }
         }
         hn::StoreU(rayleigh, d, &out[0][lane]);

@@ -139,17 +139,19 @@ TEST(ScatteringTables, BrightGroundBrightensTheSky) {
 TEST(ScatteringTables, SunTableKeepsToTheOracle) {
     const ScatteringAtmosphere air = clear();
     const ScatteringTables tables(air);
-    double worst = 0.0;
-    for (double h : {0.0, 1.3, 7.7, 25.0, 60.0}) {
+    // Worst above 50 km, where rays graze the ozone from outside.
+    for (const auto& [h, most] :
+         {std::pair{0.0, 0.003}, {1.3, 0.003}, {7.7, 0.003}, {25.0, 0.003}, {41.0, 0.006}, {60.0, 0.021}}) {
         const double dip = std::acos(air.ground_radius_km / (air.ground_radius_km + h));
-        for (double altitude = 0.5; altitude < 90.0; altitude *= 1.31) {
+        double worst = 0.0;
+        for (double altitude = 0.5; altitude < 90.0; altitude += altitude < 6.0 ? 0.1 : 4.0) {
             const double mu = std::sin(altitude * degree_rad - dip);
             const glm::dvec3 want = sun_transmittance(air, h, mu);
             const glm::dvec3 got(tables.sun_transmittance(float(h), float(mu)));
             worst = std::max(worst, glm::length(got - want));
         }
+        EXPECT_LT(worst, most) << h << " km";
     }
-    EXPECT_LT(worst, 0.021);
 }
 
 // The sky of the tables against the oracle; the benchmark has more suns.

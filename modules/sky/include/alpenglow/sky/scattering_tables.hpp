@@ -20,7 +20,7 @@
 namespace alpenglow::sky {
 
 struct ScatteringResolution {
-    int sun_heights = 128, sun_angles = 128; // the sun's light (transmittance)
+    int sun_heights = 128, sun_angles = 160; // the sun's light (transmittance)
     int field_heights = 33;                  // multiple scattering: shells
     int field_zeniths = 12;                  // rays to the ground
     int field_azimuths = 12;                 // over half a circle, up to 16
