@@ -44,6 +44,7 @@ Result<Capture> take(const Sphere& bounds, const Frustum& view, std::span<const 
     result.bounds = bounds;
     result.representation = settings.representation;
     result.open_edges = settings.open_edges;
+    result.sharpened = settings.sharpen;
     result.depth_origin_m = request.depth_origin_m;
     result.depth_scale_m = request.depth_scale_m;
     result.lights = settings.lights;

@@ -18,66 +18,124 @@ using V = hn::Vec<D>;
 using VI = hn::Vec<DI>;
 using M = hn::Mask<D>;
 
-struct Colour {
-    V r, g, b, a;
+constexpr int most_lanes = 16;
+
+// Taps of a filter for a vector of pixels: offsets in floats, and weights, along x and along y.
+template <int taps>
+struct Taps {
+    alignas(64) std::int32_t column[taps][most_lanes];
+    alignas(64) std::int32_t row[taps][most_lanes];
+    alignas(64) float along[taps][most_lanes];
+    alignas(64) float down[taps][most_lanes];
 };
 
-// Four texels around (x, y), in texels of this mip with centres at halves; transparent outside, or held to the rim.
-HWY_INLINE Colour bilinear(const ResampleInput& in, const ResampleMip& mip, V x, V y) {
+// One dimension: `at` in texels of this mip with centres at halves; transparent outside, or held to the rim.
+template <int taps>
+HWY_INLINE void place(V at, int size, int stride, bool open, float cubic_b, std::int32_t (*offset)[most_lanes],
+                      float (*weight)[most_lanes]) {
     const D d;
     const DI di;
-    const V half = hn::Set(d, 0.5F);
     const V one = hn::Set(d, 1.0F);
     // Far outside nothing is read; the clamp keeps integers in their range.
-    const V px = hn::Min(hn::Max(hn::Sub(x, half), hn::Set(d, -2.0F)), hn::Set(d, static_cast<float>(mip.width + 1)));
-    const V py = hn::Min(hn::Max(hn::Sub(y, half), hn::Set(d, -2.0F)), hn::Set(d, static_cast<float>(mip.height + 1)));
-    const V fx = hn::Floor(px);
-    const V fy = hn::Floor(py);
-    const V s = hn::Sub(px, fx);
-    const V t = hn::Sub(py, fy);
-    const VI ix = hn::ConvertTo(di, fx);
-    const VI iy = hn::ConvertTo(di, fy);
-    const VI zero = hn::Zero(di);
-    const VI right = hn::Set(di, mip.width - 1);
-    const VI bottom = hn::Set(di, mip.height - 1);
-    const VI x0 = hn::Min(hn::Max(ix, zero), right);
-    const VI x1 = hn::Min(hn::Max(hn::Add(ix, hn::Set(di, 1)), zero), right);
-    const VI y0 = hn::Min(hn::Max(iy, zero), bottom);
-    const VI y1 = hn::Min(hn::Max(hn::Add(iy, hn::Set(di, 1)), zero), bottom);
-    V wx0 = hn::Sub(one, s);
-    V wx1 = s;
-    V wy0 = hn::Sub(one, t);
-    V wy1 = t;
-    if (!in.open_edges) {
-        const auto inside = [&](VI clamped, VI index, V weight) {
-            return hn::IfThenElseZero(hn::RebindMask(d, hn::Eq(clamped, index)), weight);
+    const V p =
+        hn::Min(hn::Max(hn::Sub(at, hn::Set(d, 0.5F)), hn::Set(d, -3.0F)), hn::Set(d, static_cast<float>(size + 2)));
+    const V whole = hn::Floor(p);
+    const V t = hn::Sub(p, whole);
+    V w[taps];
+    if constexpr (taps == 2) {
+        w[0] = hn::Sub(one, t);
+        w[1] = t;
+    } else { // Mitchell and Netravali's cubics with 2 C + B = 1: Catmull and Rom's plus B of a blur
+        const V t2 = hn::Mul(t, t);
+        const V t3 = hn::Mul(t2, t);
+        const V b = hn::Set(d, cubic_b * (1.0F / 6.0F));
+        const auto cubic = [&](float k3, float k2, float k1, float k0) HWY_ATTR {
+            return hn::MulAdd(hn::Set(d, k3), t3,
+                              hn::MulAdd(hn::Set(d, k2), t2, hn::MulAdd(hn::Set(d, k1), t, hn::Set(d, k0))));
         };
-        wx0 = inside(x0, ix, wx0);
-        wx1 = inside(x1, hn::Add(ix, hn::Set(di, 1)), wx1);
-        wy0 = inside(y0, iy, wy0);
-        wy1 = inside(y1, hn::Add(iy, hn::Set(di, 1)), wy1);
+        w[0] = hn::MulAdd(b, cubic(2.0F, -3.0F, 0.0F, 1.0F), cubic(-0.5F, 1.0F, -0.5F, 0.0F));
+        w[1] = hn::MulAdd(b, cubic(-6.0F, 9.0F, 0.0F, -2.0F), cubic(1.5F, -2.5F, 0.0F, 1.0F));
+        w[2] = hn::MulAdd(b, cubic(6.0F, -9.0F, 0.0F, 1.0F), cubic(-1.5F, 2.0F, 0.5F, 0.0F));
+        w[3] = hn::MulAdd(b, cubic(-2.0F, 3.0F, 0.0F, 0.0F), cubic(0.5F, -0.5F, 0.0F, 0.0F));
     }
-    const VI width = hn::Set(di, mip.width);
-    const VI row0 = hn::Mul(y0, width);
-    const VI row1 = hn::Mul(y1, width);
-    const VI at[4] = {hn::ShiftLeft<2>(hn::Add(row0, x0)), hn::ShiftLeft<2>(hn::Add(row0, x1)),
-                      hn::ShiftLeft<2>(hn::Add(row1, x0)), hn::ShiftLeft<2>(hn::Add(row1, x1))};
-    const V weight[4] = {hn::Mul(wx0, wy0), hn::Mul(wx1, wy0), hn::Mul(wx0, wy1), hn::Mul(wx1, wy1)};
-    const auto channel = [&](const float* texels) {
-        V sum = hn::Mul(weight[0], hn::GatherIndex(d, texels, at[0]));
-        sum = hn::MulAdd(weight[1], hn::GatherIndex(d, texels, at[1]), sum);
-        sum = hn::MulAdd(weight[2], hn::GatherIndex(d, texels, at[2]), sum);
-        return hn::MulAdd(weight[3], hn::GatherIndex(d, texels, at[3]), sum);
-    };
-    Colour c{hn::Mul(channel(mip.colour), hn::Set(d, in.key[0])),
-             hn::Mul(channel(mip.colour + 1), hn::Set(d, in.key[1])),
-             hn::Mul(channel(mip.colour + 2), hn::Set(d, in.key[2])), channel(mip.colour + 3)};
-    if (mip.fill != nullptr) {
-        c.r = hn::MulAdd(channel(mip.fill), hn::Set(d, in.fill[0]), c.r);
-        c.g = hn::MulAdd(channel(mip.fill + 1), hn::Set(d, in.fill[1]), c.g);
-        c.b = hn::MulAdd(channel(mip.fill + 2), hn::Set(d, in.fill[2]), c.b);
+    const VI first = hn::ConvertTo(di, whole);
+    for (int k = 0; k < taps; ++k) {
+        const VI index = hn::Add(first, hn::Set(di, k + (taps == 2 ? 0 : -1)));
+        const VI clamped = hn::Min(hn::Max(index, hn::Zero(di)), hn::Set(di, size - 1));
+        hn::Store(hn::Mul(clamped, hn::Set(di, 4 * stride)), di, offset[k]);
+        hn::Store(open ? w[k] : hn::IfThenElseZero(hn::RebindMask(d, hn::Eq(clamped, index)), w[k]), d, weight[k]);
     }
-    return c;
+}
+
+// The texels of one pixel, weighted: RGBA to `out`.
+template <int taps>
+HWY_INLINE void gather(const float* texels, const Taps<taps>& t, int lane, float* out) {
+    const hn::CappedTag<float, 4> d4;
+    const auto lanes4 = static_cast<int>(hn::Lanes(d4));
+    for (int c = 0; c < 4; c += lanes4) {
+        auto sum = hn::Zero(d4);
+        for (int j = 0; j < taps; ++j) {
+            const float* row = texels + t.row[j][lane] + c;
+            auto line = hn::Mul(hn::Set(d4, t.along[0][lane]), hn::LoadU(d4, row + t.column[0][lane]));
+            for (int i = 1; i < taps; ++i) {
+                line = hn::MulAdd(hn::Set(d4, t.along[i][lane]), hn::LoadU(d4, row + t.column[i][lane]), line);
+            }
+            sum = hn::MulAdd(hn::Set(d4, t.down[j][lane]), line, sum);
+        }
+        if constexpr (taps == 4) { // a cubic overshoots: light and matter stay what they can be
+            sum = hn::Max(sum, hn::Zero(d4));
+        }
+        hn::StoreU(sum, d4, out + c);
+    }
+}
+
+// Sums of one pixel, front to back, of both lights apart.
+struct Sums {
+    alignas(16) float key[4];
+    alignas(16) float fill[4];
+};
+
+HWY_INLINE void add(float share, const float* colour, float* sum) {
+    const hn::CappedTag<float, 4> d4;
+    const auto lanes4 = static_cast<int>(hn::Lanes(d4));
+    for (int c = 0; c < 4; c += lanes4) {
+        hn::StoreU(hn::MulAdd(hn::Set(d4, share), hn::LoadU(d4, colour + c), hn::LoadU(d4, sum + c)), d4, sum + c);
+    }
+}
+
+// One layer for the pixels in `seen`: bits by lane.
+template <int taps>
+HWY_INLINE void add_layer(const ResampleInput& in, const ResampleLayer& layer, V u, V v, std::uint32_t seen,
+                          Sums* sums) {
+    const D d;
+    Taps<taps> t;
+    float left[most_lanes];
+    for (std::uint32_t rest = seen, lane = 0; rest != 0; rest >>= 1, ++lane) {
+        left[lane] = 1.0F - sums[lane].key[3];
+    }
+    for (int m = 0; m < layer.mip_count; ++m) {
+        const ResampleMip& mip = layer.mips[m];
+        const V scale = hn::Set(d, mip.scale);
+        place<taps>(hn::Mul(u, scale), mip.width, 1, in.open_edges, mip.cubic_b, t.column, t.along);
+        place<taps>(hn::Mul(v, scale), mip.height, mip.width, in.open_edges, mip.cubic_b, t.row, t.down);
+        int lane = 0;
+        for (std::uint32_t rest = seen; rest != 0; rest >>= 1, ++lane) {
+            if ((rest & 1U) == 0) {
+                continue;
+            }
+            alignas(16) float colour[4];
+            const float share = left[lane] * mip.weight;
+            gather(mip.colour, t, lane, colour);
+            if constexpr (taps == 4) {
+                colour[3] = colour[3] < 1.0F ? colour[3] : 1.0F;
+            }
+            add(share, colour, sums[lane].key);
+            if (mip.fill != nullptr) {
+                gather(mip.fill, t, lane, colour);
+                add(share, colour, sums[lane].fill);
+            }
+        }
+    }
 }
 
 HWY_INLINE V warp_at(const ResampleLayer& layer, V u, V v) {
@@ -106,8 +164,8 @@ void row_kernel(const ResampleInput& in, const ResampleRow& row, float* rgba) {
     const V one = hn::Set(d, 1.0F);
     const V zero = hn::Zero(d);
     const auto lanes = static_cast<int>(hn::Lanes(d));
-    alignas(64) std::int32_t block[16];
-    alignas(64) float out[4][16];
+    alignas(64) std::int32_t block[most_lanes];
+    Sums sums[most_lanes];
     for (int first = 0; first < row.pixels; first += lanes) {
         const V i = hn::Add(hn::Iota(d, 0), hn::Set(d, static_cast<float>(first)));
         const auto ramp = [&](const Ramp& r) { return hn::MulAdd(i, hn::Set(d, r.step), hn::Set(d, r.first)); };
@@ -118,8 +176,14 @@ void row_kernel(const ResampleInput& in, const ResampleRow& row, float* rgba) {
         const V v0 = hn::Mul(ramp(row.v), inverse);
         const V u1 = hn::Mul(ramp(row.eu), inverse);
         const V v1 = hn::Mul(ramp(row.ev), inverse);
+        const std::uint32_t pixels = row.pixels - first >= lanes
+                                         ? (1U << static_cast<unsigned>(lanes)) - 1U
+                                         : (1U << static_cast<unsigned>(row.pixels - first)) - 1U;
         const M live = hn::And(hn::Not(level), hn::Lt(i, hn::Set(d, static_cast<float>(row.pixels))));
-        Colour sum{zero, zero, zero, zero};
+        for (int lane = 0; lane < lanes; ++lane) {
+            sums[lane] = {};
+        }
+        std::uint32_t open = 0xFFFFU; // pixels that let something through
         for (int l = 0; l < in.layer_count; ++l) {
             const ResampleLayer& layer = in.layers[l];
             V w = hn::Set(d, layer.w_plane);
@@ -160,36 +224,33 @@ void row_kernel(const ResampleInput& in, const ResampleRow& row, float* rgba) {
             seen = hn::And(seen, hn::And(hn::Ge(u, hn::Neg(beyond)), hn::Ge(v, hn::Neg(beyond))));
             seen = hn::And(seen, hn::And(hn::Le(u, hn::Add(hn::Set(d, static_cast<float>(layer.width)), beyond)),
                                          hn::Le(v, hn::Add(hn::Set(d, static_cast<float>(layer.height)), beyond))));
-            if (hn::AllFalse(d, seen)) {
+            std::uint8_t bits[8] = {};
+            hn::StoreMaskBits(d, seen, bits);
+            const std::uint32_t lit = (bits[0] | static_cast<std::uint32_t>(bits[1]) << 8U) & open;
+            if (lit == 0) {
                 continue;
             }
             const V su = hn::IfThenElseZero(seen, u); // of the rest nothing is kept
             const V sv = hn::IfThenElseZero(seen, v);
-            const V left = hn::IfThenElseZero(seen, hn::Sub(one, sum.a));
-            for (int m = 0; m < layer.mip_count; ++m) {
-                const ResampleMip& mip = layer.mips[m];
-                const V scale = hn::Set(d, mip.scale);
-                const Colour c = bilinear(in, mip, hn::Mul(su, scale), hn::Mul(sv, scale));
-                const V share = hn::Mul(left, hn::Set(d, mip.weight));
-                sum.r = hn::MulAdd(share, c.r, sum.r);
-                sum.g = hn::MulAdd(share, c.g, sum.g);
-                sum.b = hn::MulAdd(share, c.b, sum.b);
-                sum.a = hn::MulAdd(share, c.a, sum.a);
+            if (in.cubic) {
+                add_layer<4>(in, layer, su, sv, lit, sums);
+            } else {
+                add_layer<2>(in, layer, su, sv, lit, sums);
             }
-            if (hn::AllTrue(d, hn::Or(hn::Gt(sum.a, hn::Set(d, 0.9995F)), hn::Not(live)))) {
+            for (int lane = 0; lane < lanes; ++lane) {
+                open &= ~(static_cast<std::uint32_t>(sums[lane].key[3] > 0.9995F) << static_cast<unsigned>(lane));
+            }
+            if ((open & pixels) == 0) {
                 break;
             }
         }
-        const V weight = hn::Set(d, in.weight);
-        hn::Store(hn::Mul(sum.r, weight), d, out[0]);
-        hn::Store(hn::Mul(sum.g, weight), d, out[1]);
-        hn::Store(hn::Mul(sum.b, weight), d, out[2]);
-        hn::Store(hn::Mul(sum.a, weight), d, out[3]);
         for (int lane = 0; lane < lanes && first + lane < row.pixels; ++lane) {
             float* pixel = rgba + 4 * static_cast<std::ptrdiff_t>(first + lane);
-            for (int c = 0; c < 4; ++c) {
-                pixel[c] += out[c][lane];
+            const Sums& sum = sums[lane];
+            for (int c = 0; c < 3; ++c) {
+                pixel[c] += in.weight * (in.key[c] * sum.key[c] + in.fill[c] * sum.fill[c]);
             }
+            pixel[3] += in.weight * sum.key[3];
         }
     }
 }

@@ -1,4 +1,4 @@
-// The vectorised inner loop of draw(): one row of pixels, all layers, bilinear.
+// The vectorised inner loop of draw(): one row of pixels, all layers.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,9 @@ struct ResampleMip {
     const float* colour = nullptr; // RGBA
     const float* fill = nullptr;   // RGB and one unused; null: none
     int width = 0, height = 0;
-    float scale = 1.0F;  // of level 0's texels
-    float weight = 1.0F; // of two mips
+    float scale = 1.0F;   // of level 0's texels
+    float weight = 1.0F;  // of two mips
+    float cubic_b = 0.0F; // of the cubic filter: see cubic_weights in reproject.cpp
 };
 
 struct ResampleLayer {
@@ -44,6 +45,7 @@ struct ResampleInput {
     float key[3] = {1.0F, 1.0F, 1.0F};
     float fill[3] = {1.0F, 1.0F, 1.0F};
     bool open_edges = false;
+    bool cubic = false; // else bilinear
     float weight = 1.0F;
 };
 

@@ -306,9 +306,10 @@ TEST(ShareInFront, MomentsOfAnEvenSpread) {
 }
 
 // Vectors of pixels see what single ones see: every representation, from near and far, with mips, with a fill light,
-// with odd widths and open edges.
+// with odd widths and open edges, with either filter, sharpened or not.
 TEST(Resampling, VectorsAndScalarsDrawTheSame) {
     const test::BlobCloud cloud = test::make_blob_cloud(60, 5);
+    int drawn = 0;
     for (const Representation kind :
          {Representation::plane, Representation::layers, Representation::depth_warp, Representation::warped_layers}) {
         for (const bool open_edges : {false, true}) {
@@ -316,6 +317,7 @@ TEST(Resampling, VectorsAndScalarsDrawTheSame) {
             settings.representation = kind;
             settings.layers = 5;
             settings.open_edges = open_edges;
+            settings.sharpen = kind != Representation::layers;
             const auto picture = capture(cloud.bounds, *fit_frustum(cloud.bounds, {0, -4, 0}, {0, 0, 1}, 61), settings,
                                          test::drawable(cloud));
             ASSERT_TRUE(picture);
@@ -326,6 +328,7 @@ TEST(Resampling, VectorsAndScalarsDrawTheSame) {
                 draw_settings.gain.key = glm::vec3(1.5F, 1.0F, 0.5F);
                 draw_settings.gain.fill = glm::vec3(0.5F, 1.0F, 2.0F);
                 draw_settings.weight = 0.75F;
+                draw_settings.filter = ++drawn % 2 == 0 ? Filter::cubic : Filter::bilinear;
                 std::vector<glm::vec4> a(83 * 47, glm::vec4(0.0F));
                 std::vector<glm::vec4> b(a);
                 EXPECT_EQ(draw(*picture, view, draw_settings, a), draw_scalar(*picture, view, draw_settings, b));
@@ -341,6 +344,33 @@ TEST(Resampling, VectorsAndScalarsDrawTheSame) {
             }
         }
     }
+}
+
+// The cubic filter: where a picture is enlarged twofold it loses less than bilinear filtering, and leaves the range of
+// light and matter nowhere, sharpened or not.
+TEST(Resampling, CubicLosesLess) {
+    const test::BlobCloud cloud = test::make_blob_cloud(80, 5);
+    const Frustum frustum = *fit_frustum(cloud.bounds, {0, -4, 0}, {0, 0, 1}, 40);
+    const Frustum view = look_at({0, -4, 0}, {0, 0, 0}, {0, 0, 1}, 0.5, 88, 88);
+    const auto exact = test::draw_directly(cloud, view);
+    const auto loss = [&](Filter filter, bool sharpen) {
+        CaptureSettings settings;
+        settings.sharpen = sharpen;
+        const auto picture = capture(cloud.bounds, frustum, settings, test::drawable(cloud));
+        EXPECT_EQ(picture->sharpened, sharpen);
+        DrawSettings s;
+        s.filter = filter;
+        std::vector<glm::vec4> image(exact.size(), glm::vec4(0.0F));
+        draw(*picture, view, s, image);
+        for (const glm::vec4& t : image) {
+            EXPECT_TRUE(t.x >= 0.0F && t.w >= 0.0F && t.w <= 1.0001F);
+        }
+        return test::relative_rmse(image, exact);
+    };
+    const double least = loss(Filter::cubic, false);
+    EXPECT_LT(least, 0.6 * loss(Filter::bilinear, false));
+    EXPECT_LT(least, loss(Filter::bilinear, true));
+    EXPECT_LT(loss(Filter::cubic, true), loss(Filter::bilinear, false));
 }
 
 // Vectors of texels keep what single ones keep: every kind, with and without fill light, sharpening, open edges, bent

@@ -397,7 +397,7 @@ TEST(Store, FlightStaysCloseToDirectDrawing) {
         seen += plan.report.seen;
         std::vector<glm::vec4> image(static_cast<std::size_t>(width * height));
         DrawSettings draw;
-        draw.filter = Filter::catmull_rom;
+        draw.filter = Filter::cubic;
         store.draw_view(plan, 0, objects, views, {}, draw, image);
         if (frame % 6 != 5) {
             continue;

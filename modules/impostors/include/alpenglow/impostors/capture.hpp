@@ -92,6 +92,7 @@ struct Capture {
     Sphere bounds;
     Representation representation = Representation::plane;
     bool open_edges = false;
+    bool sharpened = false;
     double depth_origin_m = 0.0;
     double depth_scale_m = 1.0;
     std::vector<Layer> layers; // front to back

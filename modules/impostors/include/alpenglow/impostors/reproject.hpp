@@ -12,8 +12,8 @@
 namespace alpenglow::impostors {
 
 enum class Filter {
-    bilinear,    // what a GPU has
-    catmull_rom, // 16 taps, clamped to the neighbourhood: sharper where the picture is enlarged
+    bilinear, // what a GPU has
+    cubic,    // 16 taps: sharper, above all where the picture is enlarged
 };
 
 struct DrawSettings {
@@ -35,7 +35,7 @@ struct DrawSettings {
 std::size_t draw(const Capture& capture, const Frustum& view, const DrawSettings& settings, std::span<glm::vec4> image);
 
 // The same pixel by pixel in double and plain code: what a test holds draw() to, which is vectorised over pixels where
-// it filters bilinearly and nothing cuts the picture.
+// nothing cuts the picture.
 std::size_t draw_scalar(const Capture& capture, const Frustum& view, const DrawSettings& settings,
                         std::span<glm::vec4> image);
 
