@@ -49,6 +49,7 @@ constexpr std::array methods{
     Method{"4 warped layers", Representation::warped_layers, 4, Filter::bilinear},
     Method{"8 warped layers", Representation::warped_layers, 8, Filter::bilinear},
     Method{"8 warped layers, cubic", Representation::warped_layers, 8, Filter::cubic},
+    Method{"2 warped layers", Representation::warped_layers, 2, Filter::bilinear},
 };
 
 Frustum orbit(double angle) {

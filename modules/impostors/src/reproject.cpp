@@ -30,6 +30,7 @@ struct LayerView {
     float fine = 1.0F; // weight of the finer one
     bool warped = false;
     double spread = 0.0; // of 1 / depth over its slab, from its plane
+    int search = 0;      // steps through the slab of a warp that moves texels far; 0: fixed point
     int blocks_across = 0;
 };
 
@@ -180,6 +181,31 @@ glm::vec4 fetch_colour(const LayerView& view, const Reading& reading, float u, f
     return view.fine < 1.0F ? view.fine * c + (1.0F - view.fine) * at(view.level + 1) : c;
 }
 
+// The inverse depth at which a ray first meets a warp's surface: steps from the front of the slab to its back, then two
+// of regula falsi. `above` is how much nearer (in inverse depth) the surface is than the ray: at most 0 in front, at
+// least 0 at the back.
+template <class Above>
+double first_crossing(const LayerView& view, const Above& above) {
+    const double front = 1.0 / view.layer->near_m;
+    const double back = 1.0 / view.layer->far_m;
+    double w0 = front;
+    double f0 = above(front);
+    double w1 = front;
+    double f1 = f0;
+    for (int k = 1; k <= view.search && f1 < 0.0; ++k) {
+        w0 = w1;
+        f0 = f1;
+        w1 = front + (back - front) * (static_cast<double>(k) / view.search);
+        f1 = above(w1);
+    }
+    const auto between = [&] { return f1 > f0 ? w0 + (w1 - w0) * (f0 / (f0 - f1)) : w1; };
+    const double w = between();
+    const double f = above(w);
+    (f < 0.0 ? w0 : w1) = w;
+    (f < 0.0 ? f0 : f1) = f;
+    return between();
+}
+
 // The pixels that any layer can reach: the projected corners of the first and the last slab.
 PixelRect footprint(const Capture& capture, const Frustum& view) {
     double left = std::numeric_limits<double>::infinity();
@@ -218,6 +244,7 @@ ResampleLayer resample_layer(const LayerView& view, float cubic_b) {
     out.height = layer.mips.front().height;
     out.w_plane = static_cast<float>(view.w_plane);
     out.spread = static_cast<float>(view.spread);
+    out.search = view.search;
     out.warp = view.warped ? layer.warp.data() : nullptr;
     out.near_m = static_cast<float>(layer.near_m);
     out.far_m = static_cast<float>(layer.far_m);
@@ -304,6 +331,13 @@ std::size_t draw(const Capture& capture, const Frustum& view, const DrawSettings
         v.warped = !layer.warp.empty();
         v.spread = std::max(1.0 / layer.near_m - v.w_plane, v.w_plane - 1.0 / layer.far_m);
         v.blocks_across = (layer.mips.front().width + 7) / 8;
+        // Texels between where the middle ray meets the front and the back of the slab.
+        const double ahead = layer.plane_m - eye.z;
+        if (v.warped && ahead > 1e-9 * layer.plane_m) {
+            const double moved = std::hypot(eye.x * texels_x, eye.y * texels_y) * layer.plane_m / ahead *
+                                 (1.0 / layer.near_m - 1.0 / layer.far_m);
+            v.search = moved < 2.0 ? 0 : static_cast<int>(std::min(8.0, std::ceil(moved / 3.5)));
+        }
         const glm::dvec3 middle = c.eye_m + layer.plane_m * c.forward - view.eye_m;
         const double depth = std::max(std::abs(glm::dot(middle, view.forward)), 1e-9 * layer.plane_m);
         const double texels = std::min(texels_x, texels_y) / layer.plane_m; // per metre
@@ -359,13 +393,19 @@ std::size_t draw(const Capture& capture, const Frustum& view, const DrawSettings
                             continue;
                         }
                     }
-                    if (reach > 0.02) {
+                    const auto depth_at = [&](double at) { // of the map where the ray is at inverse depth `at`
+                        const auto s = static_cast<double>(bilinear_warp(*layer.layer, static_cast<float>(u0 + u1 * at),
+                                                                         static_cast<float>(v0 + v1 * at)));
+                        return std::clamp(capture.depth_origin_m + capture.depth_scale_m * s, layer.layer->near_m,
+                                          layer.layer->far_m);
+                    };
+                    if (layer.search > 0) {
+                        w = first_crossing(layer, [&](double at) { return 1.0 / depth_at(at) - at; });
+                        z = 1.0 / w;
+                    } else if (reach > 0.02) {
                         // The texel whose own depth puts it on this ray, by fixed point: the map changes slowly.
                         for (int step = 0; step < 3; ++step) {
-                            const auto s = static_cast<double>(bilinear_warp(
-                                *layer.layer, static_cast<float>(u0 + u1 * w), static_cast<float>(v0 + v1 * w)));
-                            z = std::clamp(capture.depth_origin_m + capture.depth_scale_m * s, layer.layer->near_m,
-                                           layer.layer->far_m);
+                            z = depth_at(w);
                             const double before = w;
                             w = 1.0 / z;
                             if (std::abs(w - before) * (std::abs(u1) + std::abs(v1)) < 0.02) {

@@ -158,6 +158,45 @@ HWY_INLINE V warp_at(const ResampleLayer& layer, V u, V v) {
     return hn::MulAdd(t, hn::Sub(below, above), above);
 }
 
+// See reproject.cpp.
+template <class Above>
+HWY_INLINE V first_crossing(const ResampleLayer& layer, const Above& above) {
+    const D d;
+    const V zero = hn::Zero(d);
+    const float front = 1.0F / layer.near_m;
+    const float back = 1.0F / layer.far_m;
+    V w1 = hn::Set(d, front);
+    V f1 = above(w1);
+    V w0 = w1;
+    V f0 = f1;
+    for (int k = 1; k <= layer.search; ++k) {
+        const M open = hn::Lt(f1, zero);
+        if (hn::AllFalse(d, open)) {
+            break;
+        }
+        const V w = hn::Set(d, front + (back - front) * (static_cast<float>(k) / static_cast<float>(layer.search)));
+        const V f = above(w);
+        w0 = hn::IfThenElse(open, w1, w0);
+        f0 = hn::IfThenElse(open, f1, f0);
+        w1 = hn::IfThenElse(open, w, w1);
+        f1 = hn::IfThenElse(open, f, f1);
+    }
+    const auto between = [&]() HWY_ATTR {
+        const V rise = hn::Sub(f1, f0);
+        const M some = hn::Gt(rise, zero);
+        const V share = hn::Div(hn::Neg(f0), hn::IfThenElse(some, rise, hn::Set(d, 1.0F)));
+        return hn::IfThenElse(some, hn::MulAdd(hn::Sub(w1, w0), share, w0), w1);
+    };
+    const V w = between();
+    const V f = above(w);
+    const M before = hn::Lt(f, zero);
+    w0 = hn::IfThenElse(before, w, w0);
+    f0 = hn::IfThenElse(before, f, f0);
+    w1 = hn::IfThenElse(before, w1, w);
+    f1 = hn::IfThenElse(before, f1, f);
+    return between();
+}
+
 void row_kernel(const ResampleInput& in, const ResampleRow& row, float* rgba) {
     const D d;
     const DI di;
@@ -210,11 +249,19 @@ void row_kernel(const ResampleInput& in, const ResampleRow& row, float* rgba) {
             }
             V z = hn::Div(one, w);
             if (layer.warp != nullptr) {
-                for (int step = 0; step < 3; ++step) {
-                    const V s = warp_at(layer, hn::MulAdd(u1, w, u0), hn::MulAdd(v1, w, v0));
-                    z = hn::MulAdd(s, hn::Set(d, in.depth_scale_m), hn::Set(d, in.depth_origin_m));
-                    z = hn::Min(hn::Max(z, hn::Set(d, layer.near_m)), hn::Set(d, layer.far_m));
-                    w = hn::Div(one, z);
+                const auto depth_at = [&](V at) HWY_ATTR {
+                    const V s = warp_at(layer, hn::MulAdd(u1, at, u0), hn::MulAdd(v1, at, v0));
+                    const V depth = hn::MulAdd(s, hn::Set(d, in.depth_scale_m), hn::Set(d, in.depth_origin_m));
+                    return hn::Min(hn::Max(depth, hn::Set(d, layer.near_m)), hn::Set(d, layer.far_m));
+                };
+                if (layer.search > 0) {
+                    w = first_crossing(layer, [&](V at) HWY_ATTR { return hn::Sub(hn::Div(one, depth_at(at)), at); });
+                    z = hn::Div(one, w);
+                } else {
+                    for (int step = 0; step < 3; ++step) {
+                        z = depth_at(w);
+                        w = hn::Div(one, z);
+                    }
                 }
             }
             const V u = hn::MulAdd(u1, w, u0);

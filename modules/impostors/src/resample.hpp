@@ -30,6 +30,7 @@ struct ResampleLayer {
     int mip_count = 1;
     int width = 0, height = 0; // level 0
     float w_plane = 0.0F, spread = 0.0F;
+    int search = 0;              // steps of first_crossing in reproject.cpp; 0: fixed point
     const float* warp = nullptr; // null: a plane
     float near_m = 0.0F, far_m = 0.0F;
     const std::uint8_t* occupied = nullptr;
