@@ -34,13 +34,13 @@ struct Tail {
             return from;
         }
         std::memset(values, 0, sizeof values);
-        std::memcpy(values, from, sizeof(float) * static_cast<std::size_t>(channels * count));
+        std::copy_n(from, channels * count, values);
         return values;
     }
     float* place(float* to, int count, int lanes) { return count >= lanes ? to : values; }
     void write(float* to, int count, int lanes) const {
         if (count < lanes) {
-            std::memcpy(to, values, sizeof(float) * static_cast<std::size_t>(channels * count));
+            std::copy_n(values, channels * count, to);
         }
     }
 };
