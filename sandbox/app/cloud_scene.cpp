@@ -330,17 +330,34 @@ void CloudScene::update(Stage& stage) {
     drawn_.width = view.camera().width;
     drawn_.height = view.camera().height;
     drawn_.scale = view.scale();
-    drawn_.radiance_cd_m2 = picture.radiance;
-    drawn_.transmittance = picture.transmittance;
-    drawn_.distance_m = picture.depth_m;
+    show(picture, view.revision());
     drawn_.landscape_m = view.landscape_m();
     drawn_.march = view.settings.on_device ? &view.tables().march() : nullptr;
-    drawn_.revision = view.revision();
     drawn_.shadow = settings.shadows ? shadow_.map() : CloudShadowMap{};
     drawn_.shadow.offset_m += glm::vec2(drifted_m_);
     stage.drawn.clouds = &drawn_;
     stage.drawn.air_light = air_light_;
     stage.reports.push_back(report);
+}
+
+void CloudScene::show(const clouds::Picture& picture, std::uint32_t revision) {
+    drawn_.radiance_cd_m2 = picture.radiance;
+    drawn_.transmittance = picture.transmittance;
+    drawn_.distance_m = picture.depth_m;
+    drawn_.revision = revision;
+}
+
+bool CloudScene::show_reference(bool reference) {
+    if (!view.reprojected()) {
+        return false;
+    }
+    if (reference) {
+        reference_picture_ = view.full_picture();
+        show(reference_picture_, next_revision());
+    } else {
+        show(view.picture(), view.revision());
+    }
+    return true;
 }
 
 void CloudScene::draw_panel(PanelWriter& panel) {
@@ -367,6 +384,9 @@ void CloudScene::draw_panel(PanelWriter& panel) {
     if (error_) {
         write("error      %.3f RMSE  %+.1f %% bias  (noise %.2f)", error_->relative_rmse, 100.0 * error_->bias,
               error_->noise);
+    }
+    if (psnr_db_ > 0.0) {
+        write("moving     %.1f dB", psnr_db_);
     }
     write("CPU ms     modelled %.0f   light %.1f   march %.1f", model_s_ * 1e3, bake_ms_, march_ms_);
 }

@@ -34,6 +34,8 @@ public:
     void relight(Stage& stage) override;
     void update(Stage& stage) override;
     void draw_panel(PanelWriter& panel) override;
+    bool show_reference(bool reference) override; // every ray of the picture, where it has some of earlier ones
+    void compared(double psnr_db) override { psnr_db_ = psnr_db; }
 
     [[nodiscard]] const CloudRenderData& render_data() const { return drawn_; }
     [[nodiscard]] std::size_t clouds() const { return entities_.size(); }
@@ -59,6 +61,7 @@ private:
     void shade(Stage& stage);
     void measure_sky(const Stage& stage);
     void measure_error();
+    void show(const clouds::Picture& picture, std::uint32_t revision);
 
     BasicRegistry& registry_;
     std::vector<Item> entities_;
@@ -74,6 +77,8 @@ private:
     double bake_ms_ = 0.0;                       // of update_clouds, the last frame that it worked
     float covered_ = 0.0F;                       // of the screen
     CloudRenderData drawn_;
+    clouds::Picture reference_picture_;
+    double psnr_db_ = 0.0;
     clouds::CloudSources sources_;
     std::optional<CloudReference> reference_;
     std::optional<clouds::ImageError> error_; // against it, of `error_light_`

@@ -1,6 +1,7 @@
 #include "sandbox/app/cloud_view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "sandbox/app/cloud_depth.hpp"
+#include "sandbox/app/cloud_reproject.hpp"
 
 namespace alpenglow::sandbox {
 namespace {
@@ -149,6 +151,38 @@ std::size_t CloudView::march_rows(int until) {
     return static_cast<std::size_t>(done) * static_cast<std::size_t>(camera_.width);
 }
 
+// A lattice of the rays; the rest from the last picture. All of them where too little of it is still in view.
+std::size_t CloudView::march_some() {
+    const PixelLattice lattice = lattice_of(settings.moving_lattice, turn_++ % 36);
+    const clouds::Camera some = lattice_camera(camera_, lattice);
+    some_landscape_m_.resize(static_cast<std::size_t>(some.width) * static_cast<std::size_t>(some.height));
+    for (int j = 0; j < some.height; ++j) {
+        const int y = std::min(lattice.n * j + lattice.first.y, camera_.height - 1);
+        for (int i = 0; i < some.width; ++i) {
+            const int x = std::min(lattice.n * i + lattice.first.x, camera_.width - 1);
+            some_landscape_m_[static_cast<std::size_t>(j * some.width + i)] =
+                landscape_m_[static_cast<std::size_t>(y * camera_.width + x)];
+        }
+    }
+    clouds::MarchSettings march = march_settings();
+    march.scene_depth_m = some_landscape_m_;
+    const clouds::Picture fresh = clouds::march(job_.clouds, some, march, job_.fields);
+    const std::size_t without = complete_picture(fresh, lattice, {picture_, shown_camera_, shown_landscape_m_}, camera_,
+                                                 landscape_m_, job_.picture);
+    const std::size_t all = job_.picture.transmittance.size();
+    if (without > all / 5) {
+        return fresh.transmittance.size() + march_rows(camera_.height);
+    }
+    job_.rows_done = camera_.height;
+    job_.reprojected = true;
+    return fresh.transmittance.size();
+}
+
+clouds::Picture CloudView::full_picture() const {
+    clouds::MarchSettings march = march_settings();
+    return clouds::march(shown_, camera_, march, shown_fields_);
+}
+
 void CloudView::hand_over() {
     std::vector<MarchedCloud> marched;
     for (std::size_t i = 0; i < job_.clouds.size(); ++i) {
@@ -162,7 +196,12 @@ void CloudView::finish() {
     shown_time_s_ = job_.time_s;
     shown_on_device_ = settings.on_device;
     shown_ = std::move(job_.clouds);
+    shown_fields_ = std::move(job_.fields);
+    reprojected_ = job_.reprojected;
+    shown_camera_ = camera_;
+    shown_landscape_m_ = landscape_m_;
     job_ = {};
+    job_.time_s = shown_time_s_;
     revision_ = next_revision();
     nearest_m_ = shown_on_device_ ? nearest_box_m(shown_, camera_) : 1e30F; // nobody reads the device's picture back
     for (std::size_t i = 0; i < picture_.depth_m.size(); ++i) {
@@ -210,9 +249,14 @@ std::size_t CloudView::update(const CloudsInView& view, const Camera& camera, in
         start(view);
     }
     std::size_t rays = 0;
+    const bool from_last = anew && moving && settings.moving_lattice > 1 &&
+                           view.light_revision == shown_light_revision_ && picture_.width > 0 && !shown_on_device_;
+    shown_light_revision_ = view.light_revision;
     if (settings.on_device) {
         hand_over();
         rays = static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height);
+    } else if (from_last) {
+        rays = march_some();
     } else {
         const int rows = (camera_.height + settings.spread_frames - 1) / std::max(1, settings.spread_frames);
         rays = march_rows(anew ? camera_.height : job_.rows_done + rows);

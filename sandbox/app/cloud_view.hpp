@@ -27,6 +27,7 @@ struct CloudsInView {
 struct CloudViewSettings {
     int still_divisor = 2;      // pixels of the screen a pixel, each way, while the camera stands
     int moving_divisor = 4;     // while it moves
+    int moving_lattice = 3;     // and one ray of its square is marched; the rest comes from the last picture. 1 to 3
     int spread_frames = 12;     // over which a picture is made where only the wind has moved
     float eye_turn_rad = 0.03F; // that light's directions may be off by, seen from where the eye has moved to
     float drift_pixels = 0.35F; // of the picture, that clouds may drift before it is made anew
@@ -47,6 +48,9 @@ public:
 
     [[nodiscard]] const clouds::Picture& picture() const { return picture_; } // empty where the device marches
     [[nodiscard]] const CloudTables& tables() const { return tables_; }
+    // Whether the picture has rays of earlier ones, and the picture of the same view that has not.
+    [[nodiscard]] bool reprojected() const { return reprojected_; }
+    [[nodiscard]] clouds::Picture full_picture() const;
     [[nodiscard]] const clouds::Camera& camera() const { return camera_; }
     [[nodiscard]] const std::vector<float>& landscape_m() const { return landscape_m_; }
     [[nodiscard]] float scale() const { return static_cast<float>(divisor_); }
@@ -61,12 +65,14 @@ private:
         double time_s = 0.0;
         clouds::Picture picture;
         int rows_done = 0;
+        bool reprojected = false;
         bool running = false;
     };
     void start(const CloudsInView& view);
     // Rows up to `until`; returns the rays marched.
     std::size_t march_rows(int until);
     void finish();
+    std::size_t march_some();
     void hand_over();                                             // to the device, in place of march_rows()
     [[nodiscard]] clouds::MarchSettings march_settings() const;   // of the job
     [[nodiscard]] double drift_m(const CloudsInView& view) const; // of what is shown
@@ -85,14 +91,20 @@ private:
     std::vector<Eye> eyes_;
     clouds::Camera camera_; // of the picture and of the job
     int divisor_ = 0;
-    std::vector<float> landscape_m_;
+    std::vector<float> landscape_m_, some_landscape_m_;
     clouds::Picture picture_;
     std::vector<clouds::LitCloud> shown_; // in the picture
     double shown_time_s_ = 0.0;
+    std::vector<const clouds::CloudLighting::ViewFields*> shown_fields_; // of `eyes_`
     bool shown_on_device_ = false;
+    bool reprojected_ = false;
+    int turn_ = 0;                         // of lattice_of()
+    clouds::Camera shown_camera_;          // of picture_
+    std::vector<float> shown_landscape_m_; // likewise
     CloudTables tables_;
     float nearest_m_ = 1e30F;
     std::uint32_t light_revision_ = 0;
+    std::uint32_t shown_light_revision_ = 0;
     std::uint32_t revision_ = 0;
     Job job_;
     Camera last_camera_;

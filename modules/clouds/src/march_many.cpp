@@ -47,8 +47,9 @@ PixelRect bounds_on_screen(const LitCloud& cloud, const Camera& camera, const Pi
         return all;
     }
     const auto clamped = [](double v, int a, int b) { return static_cast<int>(std::clamp(v, double(a), double(b))); };
-    return {clamped(std::floor(x0), all.x0, all.x1), clamped(std::floor(y0), all.y0, all.y1),
-            clamped(std::ceil(x1), all.x0, all.x1), clamped(std::ceil(y1), all.y0, all.y1)};
+    // A pixel more, for cameras whose forward axis is turned by a part of one.
+    return {clamped(std::floor(x0) - 1.0, all.x0, all.x1), clamped(std::floor(y0) - 1.0, all.y0, all.y1),
+            clamped(std::ceil(x1) + 1.0, all.x0, all.x1), clamped(std::ceil(y1) + 1.0, all.y0, all.y1)};
 }
 
 Picture march(std::span<const LitCloud> clouds, const Camera& camera, const MarchSettings& settings,
