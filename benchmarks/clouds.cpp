@@ -1,5 +1,7 @@
 #include "bench.hpp"
 
+#include <alpenglow/clouds/compact.hpp>
+#include <alpenglow/clouds/library.hpp>
 #include <alpenglow/clouds/march.hpp>
 #include <alpenglow/clouds/modelling.hpp>
 #include <alpenglow/clouds/reference.hpp>
@@ -382,23 +384,57 @@ const Case bake_case("clouds/bake", [](const Context& context) {
     }
 });
 
-const Case lighting_case("clouds/lighting", [](const Context& context) {
-    // A small ragged cloud whose reference a benchmark can afford; the study's tables are in docs/clouds.md.
-    const SparseGrid grid = noise_cloud(42, 48);
-    const BrickVolume volume(grid);
-    const Medium medium{1.0F, 0.99F, {PhaseKind::henyey_greenstein, 0.7F, 0.0F, 1.0F}};
-    const DirectionalLight sun{{0.0F, 0.8660254F, 0.5F}, glm::vec3(1.0F), 0.0F};
-    const glm::dvec3 centre(24.0);
-    const Camera view = look_at(centre + glm::dvec3(100.0, 20.0, 10.0), centre, 0.3F, 32, 24);
-    ReferenceScene scene;
-    scene.grid = &grid;
-    scene.medium = medium;
-    scene.lights = {sun};
-    ReferenceImage truth(32, 24);
-    PathTracer(std::move(scene)).render(view, truth, 0, context.quick() ? 64 : 1024);
+// A small ragged cloud whose reference a benchmark can afford; the study's tables are in docs/clouds.md. What follows
+// holds methods, steps, density formats and light grids to it.
+struct Truth {
+    SparseGrid grid = noise_cloud(42, 48);
+    BrickVolume volume{grid};
+    Medium medium{1.0F, 0.99F, {PhaseKind::henyey_greenstein, 0.5F, 0.0F, 1.0F}};
+    DirectionalLight sun{{0.0F, 0.8660254F, 0.5F}, glm::vec3(1.0F), 0.0F};
+    Camera view = look_at(glm::dvec3(124.0, 44.0, 34.0), glm::dvec3(24.0), 0.3F, 32, 24);
     Camera fine = view;
-    fine.width *= 4;
-    fine.height *= 4;
+    ReferenceImage image{32, 24};
+
+    Truth() {
+        fine.width *= 4;
+        fine.height *= 4;
+        ReferenceScene scene;
+        scene.grid = &grid;
+        scene.medium = medium;
+        scene.lights = {sun};
+        PathTracer(std::move(scene)).render(view, image, 0, 2048);
+    }
+    // Of a picture by `fine`, over the pixels that the cloud covers.
+    [[nodiscard]] double error(const Picture& rays) const {
+        std::vector<glm::vec3> mean(32 * 24, glm::vec3(0.0F));
+        std::vector<float> clear(mean.size(), 0.0F);
+        for (std::size_t i = 0; i < rays.radiance.size(); ++i) {
+            const std::size_t to = i / 128 / 4 * 32 + i % 128 / 4;
+            mean[to] += rays.radiance[i] / 16.0F;
+            clear[to] += rays.transmittance[i] / 16.0F;
+        }
+        std::vector<bool> mask;
+        for (const float t : clear) {
+            mask.push_back(t < 0.99F);
+        }
+        return image_error(mean, image, mask).relative_rmse;
+    }
+    static Row row(const char* name) {
+        return {.module = "clouds",
+                .name = name,
+                .method = "",
+                .error_metric = "relative RMSE of luminance, 32 x 24 pixels of 4 x 4 rays, side view",
+                .reference = "path tracer, 2048 samples a pixel, its noise taken out"};
+    }
+};
+
+const Truth& truth() {
+    static const Truth value;
+    return value;
+}
+
+const Case lighting_case("clouds/lighting", [](const Context& context) {
+    const Truth& t = truth();
     struct Tried {
         const char* name;
         LightingMethod method;
@@ -415,34 +451,97 @@ const Case lighting_case("clouds/lighting", [](const Context& context) {
                                {"(d) transport, half grid, 2 sweeps", LightingMethod::transport, 2, 2},
                                {"(d) transport, half grid, 4 sweeps", LightingMethod::transport, 2, 4},
                                {"(d) transport, half grid, 8 sweeps", LightingMethod::transport, 2, 8},
-                               {"(d) transport, full grid, 8 sweeps", LightingMethod::transport, 1, 8}}) {
+                               {"(d) transport, full grid, 6 sweeps", LightingMethod::transport, 1, 6}}) {
         LightingSettings settings;
         settings.method = tried.method;
         settings.transport_factor = tried.factor;
         settings.sweeps = tried.sweeps;
         CloudLighting lighting;
-        lighting.reset(volume, medium, settings);
-        lighting.bake_light(0, sun, false);
-        const Picture rays = march(volume, lighting, fine);
-        std::vector<glm::vec3> image(32 * 24, glm::vec3(0.0F));
-        std::vector<float> clear(image.size(), 0.0F);
-        for (std::size_t i = 0; i < rays.radiance.size(); ++i) {
-            const std::size_t to = i / 128 / 4 * 32 + i % 128 / 4;
-            image[to] += rays.radiance[i] / 16.0F;
-            clear[to] += rays.transmittance[i] / 16.0F;
-        }
-        std::vector<bool> mask;
-        for (const float t : clear) {
-            mask.push_back(t < 0.99F);
-        }
-        const ImageError error = image_error(image, truth, mask);
-        Row row{.module = "clouds",
-                .name = "image error against bake time, noise cloud",
-                .method = tried.name,
-                .error = error.relative_rmse,
-                .error_metric = "relative RMSE of luminance, 32 x 24, side view",
-                .reference = "path tracer, 1024 samples a pixel, its noise taken out"};
-        add(context, row, [&] { lighting.bake_light(0, sun, false); });
+        lighting.reset(t.volume, t.medium, settings);
+        lighting.bake_light(0, t.sun, false);
+        Row row = Truth::row("image error against bake time, noise cloud");
+        row.method = tried.name;
+        row.error = t.error(march(t.volume, lighting, t.fine));
+        row.bytes = double(lighting.memory_bytes());
+        add(context, row, [&] { lighting.bake_light(0, t.sun, false); });
+    }
+});
+
+const Case step_case("clouds/step", [](const Context& context) {
+    const Truth& t = truth();
+    CloudLighting lighting;
+    lighting.reset(t.volume, t.medium, {});
+    lighting.bake_light(0, t.sun);
+    const CloudLighting::ViewFields fields =
+        lighting.contract(t.volume.transform().index_from_world(t.view.position_m));
+    MarchSettings settings;
+    settings.fields = &fields;
+    Row row = Truth::row("image error against march time by step, noise cloud, (d)");
+    const auto add_row = [&](const std::string& name) {
+        row.method = name;
+        row.error = t.error(march(t.volume, lighting, t.fine, settings));
+        add(context, row, [&] { keep(march(t.volume, lighting, t.fine, settings).radiance.data()); });
+    };
+    for (const float step : {0.25F, 0.5F, 1.0F, 2.0F, 4.0F, 8.0F}) {
+        settings.step_voxels = step;
+        add_row("step " + std::to_string(step).substr(0, 4));
+    }
+    settings.step_voxels = 1.0F;
+    for (const float optical : {0.5F, 1.0F}) {
+        settings.optical_step = optical;
+        add_row("step 1, up to an optical depth of " + std::to_string(optical).substr(0, 3));
+    }
+});
+
+const Case format_case("clouds/density format", [](const Context& context) {
+    const Truth& t = truth();
+    CloudLighting lighting;
+    lighting.reset(t.volume, t.medium, {});
+    lighting.bake_light(0, t.sun);
+    const CloudLighting::ViewFields fields =
+        lighting.contract(t.volume.transform().index_from_world(t.view.position_m));
+    MarchSettings settings;
+    settings.fields = &fields;
+    Row row = Truth::row("image error against march time by density format, noise cloud, (d)");
+    row.method = "bricks of 8 bits";
+    row.bytes = double(t.volume.memory_bytes());
+    row.error = t.error(march(t.volume, lighting, t.fine, settings));
+    add(context, row, [&] { keep(march(t.volume, lighting, t.fine, settings).radiance.data()); });
+    for (const float part : {96.0F, 24.0F, 12.0F, 6.0F, 3.0F}) {
+        CompactSettings compact_settings;
+        compact_settings.density_error = 1.0F / part;
+        const CompactCloud compact(t.volume, lighting, t.view.position_m, compact_settings);
+        row.method = "compact, density within 1/" + std::to_string(static_cast<int>(part));
+        row.bytes = double(compact.density_bytes());
+        row.error = t.error(march(compact, t.fine));
+        add(context, row, [&] { keep(march(compact, t.fine).radiance.data()); });
+    }
+    for (const int level : {1, 2}) {
+        const BrickVolume coarse(coarsen(t.grid, level));
+        CloudLighting coarse_lighting;
+        coarse_lighting.reset(coarse, t.medium, {});
+        coarse_lighting.bake_light(0, t.sun);
+        row.method = "bricks of 8 bits, voxels x " + std::to_string(1 << level);
+        row.bytes = double(coarse.memory_bytes());
+        row.error = t.error(march(coarse, coarse_lighting, t.fine));
+        add(context, row, [&] { keep(march(coarse, coarse_lighting, t.fine).radiance.data()); });
+    }
+});
+
+const Case light_grid_case("clouds/light grid", [](const Context& context) {
+    const Truth& t = truth();
+    Row row = Truth::row("image error against bake time by light grid, noise cloud, (d)");
+    for (const auto& [depth, cells] : {std::pair{1, 1}, {1, 2}, {1, 3}, {1, 4}, {1, 6}, {2, 2}, {2, 4}, {4, 4}}) {
+        LightingSettings settings;
+        settings.depth_factor = depth;
+        settings.transport_factor = cells;
+        CloudLighting lighting;
+        lighting.reset(t.volume, t.medium, settings);
+        lighting.bake_light(0, t.sun, false);
+        row.method = "depth every " + std::to_string(depth) + ", cells of " + std::to_string(cells) + " voxels";
+        row.bytes = double(lighting.memory_bytes());
+        row.error = t.error(march(t.volume, lighting, t.fine));
+        add(context, row, [&] { lighting.bake_light(0, t.sun, false); });
     }
 });
 
@@ -465,33 +564,78 @@ const Case reference_case("clouds/reference", [](const Context& context) {
     add(context, row, [&] { tracer.render(view, image, 0, std::uint64_t(samples)); });
 });
 
+// Everything that drawing reads, against the float grid in OpenVDB, and the error of the study's pictures (96 x 54
+// pixels of 4 x 4 rays) against the plain form. Times are of a frame.
 const Case memory_case("clouds/memory", [](const Context& context) {
     const Study& s = study();
-    LightingSettings settings;
-    CloudLighting lighting;
-    lighting.reset(s.volume, s.medium, settings);
-    lighting.bake_light(0, s.sun);
-    const Camera view = camera(96, 54);
-    const Picture full = march(s.volume, lighting, view);
-    Row row{.module = "clouds",
-            .name = "memory",
-            .method = "OpenVDB tree",
-            .error_metric = "relative RMSE of the picture",
-            .reference = "16-bit fields, 8-bit bricks"};
-    row.bytes = double(s.vdb.memory_bytes());
-    context.add(row);
-    row.method = "bricks, 8 bits";
-    row.bytes = double(s.volume.memory_bytes());
-    context.add(row);
-    const CloudLighting::ViewFields fields = lighting.contract(s.centre + glm::dvec3(300.0, 0.0, 0.0));
-    row.method = "what drawing reads: bricks, depth, fields for an eye";
-    row.bytes =
-        double(s.volume.memory_bytes() + lighting.lights()[0].depth.memory_bytes() + fields.fields[0].memory_bytes());
-    context.add(row);
-    row.method = "light: depth and moments, all that bakes keep";
-    row.bytes = double(lighting.memory_bytes());
-    context.add(row);
-    static_cast<void>(full);
+    const auto averaged = [](const Picture& rays) {
+        std::vector<glm::vec3> image(rays.radiance.size() / 16, glm::vec3(0.0F));
+        const auto width = std::size_t(rays.width);
+        for (std::size_t i = 0; i < rays.radiance.size(); ++i) {
+            image[i / width / 4 * (width / 4) + i % width / 4] += rays.radiance[i] / 16.0F;
+        }
+        return image;
+    };
+    struct Tried {
+        const char* name;
+        LightingMethod method;
+        bool sky;
+        glm::dvec3 eye;
+    };
+    const glm::dvec3 side(260.0, -120.0, -60.0);
+    const glm::dvec3 back(55.0, -290.0, -110.0);
+    for (const Tried& tried :
+         {Tried{"memory, (d) transport, sun, side", LightingMethod::transport, false, side},
+          {"memory, (d) transport, sun, back", LightingMethod::transport, false, back},
+          {"memory, (d) transport, sun and blue sky, side", LightingMethod::transport, true, side},
+          {"memory, (a) single scattering, side", LightingMethod::single_scattering, false, side},
+          {"memory, (a) single scattering, back", LightingMethod::single_scattering, false, back}}) {
+        LightingSettings settings;
+        settings.method = tried.method;
+        CloudLighting lighting;
+        lighting.reset(s.volume, s.medium, settings);
+        lighting.bake_light(0, s.sun);
+        if (tried.sky) {
+            lighting.bake_sky(SkySh::uniform(glm::vec3(0.03F, 0.05F, 0.1F)));
+        }
+        const Camera view = look_at(s.centre + tried.eye, s.centre, 0.30F, 4 * 96, 4 * 54);
+        const CloudLighting::ViewFields fields =
+            lighting.contract(s.volume.transform().index_from_world(view.position_m));
+        MarchSettings march_settings;
+        march_settings.fields = &fields;
+        const std::vector<glm::vec3> plain = averaged(march(s.volume, lighting, view, march_settings));
+        Row row{.module = "clouds",
+                .name = tried.name,
+                .method = "OpenVDB's tree alone, floats",
+                .error_metric = "relative RMSE of luminance, 96 x 54 pixels of 4 x 4 rays",
+                .reference = "bricks of 8 bits, dense fields of 16"};
+        row.bytes = double(s.vdb.memory_bytes());
+        context.add(row);
+        double bytes = double(s.volume.memory_bytes() + lighting.table().values().size() * sizeof(float) +
+                              lighting.lights()[0].depth.memory_bytes());
+        for (const Field16& field : fields.fields) {
+            bytes += double(field.memory_bytes());
+        }
+        row.method = "plain: bricks, depth, fields for an eye, beam table";
+        row.bytes = bytes;
+        add(context, row, [&] { keep(march(s.volume, lighting, view, march_settings).radiance.data()); });
+        for (const float tighter : {0.5F, 1.0F, 2.0F, 4.0F}) {
+            CompactSettings compact_settings;
+            compact_settings.density_error /= tighter;
+            compact_settings.depth_error /= tighter;
+            compact_settings.light_error /= tighter;
+            const CompactCloud compact(s.volume, lighting, view.position_m, compact_settings);
+            row.method =
+                tighter == 1.0F ? "compact" : "compact, errors x " + std::to_string(1.0F / tighter).substr(0, 4);
+            row.bytes = double(compact.memory_bytes());
+            row.error = relative_rmse(averaged(march(compact, view)), plain);
+            add(context, row, [&] { keep(march(compact, view).radiance.data()); });
+            if (tighter == 1.0F) {
+                row.method = "compact: making density and light";
+                add(context, row, [&] { keep(CompactCloud(s.volume, lighting, view.position_m).lights().data()); });
+            }
+        }
+    }
 });
 
 } // namespace

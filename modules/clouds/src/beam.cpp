@@ -62,11 +62,11 @@ double BeamTable::angle_at(int i, double narrow) {
     return narrow * std::sinh(double(i) / (angles - 1) * std::asinh(pi / narrow));
 }
 
-float BeamTable::angle_coordinate(float omc) const {
+float BeamTable::angle_coordinate(float omc, float narrow) {
     const float sine = std::sqrt(std::clamp(0.5F * omc, 0.0F, 1.0F));
     const float angle = 2.0F * std::asin(sine);
-    const float scale = static_cast<float>(angles - 1) / std::asinh(static_cast<float>(pi) / narrow_);
-    return std::clamp(std::asinh(angle / narrow_) * scale, 0.0F, static_cast<float>(angles - 1));
+    const float scale = static_cast<float>(angles - 1) / std::asinh(static_cast<float>(pi) / narrow);
+    return std::clamp(std::asinh(angle / narrow) * scale, 0.0F, static_cast<float>(angles - 1));
 }
 
 float BeamTable::value(float depth, float omc) const {

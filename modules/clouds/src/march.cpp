@@ -1,3 +1,4 @@
+#include <alpenglow/clouds/compact.hpp>
 #include <alpenglow/clouds/march.hpp>
 
 #undef HWY_TARGET_INCLUDE
@@ -33,6 +34,18 @@ struct FieldView {
     float offset, scale;
 };
 
+struct CompactView {
+    const std::int32_t* nodes; // pairs
+    const std::uint16_t* entries;
+    const std::int32_t* bricks; // 4 words each
+    const std::int32_t* slopes;
+    const std::uint8_t* data;
+    std::int32_t nodes_x, nodes_y;
+    float first[3]; // centre of cell 0, voxels from the volume's corner
+    float inverse_factor;
+    float last[3]; // cells
+};
+
 constexpr int max_lights = 8;
 
 struct MarchInput {
@@ -41,7 +54,10 @@ struct MarchInput {
     FieldView depth[max_lights];
     int fields;
     FieldView field[3];
-    const float* table; // [angle][depth]
+    CompactView compact_density, compact_depth[max_lights], compact_field[3]; // of march_compact(), instead
+    const float* table;                                                       // [angle][depth]
+    const std::uint16_t* compact_table;
+    const float* compact_rows;
     float table_decay, inverse_max_depth;
     float step;       // metres
     float extinction; // along the eye ray, 1/m
@@ -104,6 +120,24 @@ HWY_INLINE VI find_brick(const BrickView& v, VI bx, VI by, VI bz) {
     return hn::IfThenElse(missing, hn::Set(di, -2), brick);
 }
 
+// The same of a compact field.
+HWY_INLINE VI find_brick(const CompactView& v, VI bx, VI by, VI bz) {
+    const DI di;
+    const VI node_index =
+        hn::Add(hn::Mul(hn::Add(hn::Mul(hn::ShiftRight<3>(bz), hn::Set(di, v.nodes_y)), hn::ShiftRight<3>(by)),
+                        hn::Set(di, v.nodes_x)),
+                hn::ShiftRight<3>(bx));
+    const VI pair = hn::ShiftLeft<1>(node_index);
+    const VI first = hn::GatherIndex(di, v.nodes, pair);
+    const VI seven = hn::Set(di, 7);
+    const VI place = hn::Add(hn::ShiftLeft<6>(hn::And(bz, seven)),
+                             hn::Add(hn::ShiftLeft<3>(hn::And(by, seven)), hn::And(bx, seven)));
+    const VI entry = hn::Add(hn::GatherIndex(di, v.nodes + 1, pair), place);
+    const VI within = hn::And(gather_bytes(v.entries, hn::ShiftLeft<1>(entry)), hn::Set(di, 0xffff));
+    const VI brick = hn::IfThenElse(hn::Eq(within, hn::Set(di, 512)), hn::Set(di, -1), hn::Add(first, within));
+    return hn::IfThenElse(hn::Lt(first, hn::Zero(di)), hn::Set(di, -2), brick);
+}
+
 // Trilinear density in known bricks (numbers >= 0) at voxel (ix, iy, iz) + fractions.
 HWY_INLINE V sample_brick(const BrickView& v, VI brick, VI ix, VI iy, VI iz, V tx, V ty, V tz) {
     const D d;
@@ -152,6 +186,100 @@ HWY_INLINE V sample_field(const FieldView& f, V px, V py, V pz) {
     };
     const V value = lerp(lerp(row(0), row(sy), ty), lerp(row(sz), row(sy + sz), ty), tz);
     return hn::MulAdd(value, hn::Set(d, f.scale), hn::Set(d, f.offset));
+}
+
+// CompactField::sample() in known bricks, at cells from the brick's corner.
+template <bool squared>
+HWY_INLINE V sample_compact_brick(const CompactView& v, VI brick, V lx, V ly, V lz) {
+    const D d;
+    const DI di;
+    const hn::RebindToUnsigned<DI> du;
+    const VI about = hn::ShiftLeft<2>(brick);
+    const VI base = hn::GatherIndex(di, v.bricks, about);
+    const auto box = hn::BitCast(du, hn::GatherIndex(di, v.bricks + 1, about));
+    const VI nibble = hn::Set(di, 15);
+    const VI code = hn::BitCast(di, box);
+    const VI shift = hn::BitCast(di, hn::ShiftRight<28>(box));
+    // 2^-shift, by its exponent.
+    const V inverse = hn::BitCast(d, hn::ShiftLeft<23>(hn::Sub(hn::Set(di, 127), shift)));
+    const VI nx = hn::And(hn::ShiftRight<12>(code), nibble);
+    const VI ny = hn::And(hn::ShiftRight<16>(code), nibble);
+    const VI nz = hn::And(hn::ShiftRight<20>(code), nibble);
+    const auto coordinate = [&](V l, VI low, VI steps) {
+        const V q = hn::Mul(hn::Sub(l, hn::ConvertTo(d, low)), inverse);
+        return hn::Min(hn::Max(q, hn::Zero(d)), hn::ConvertTo(d, steps));
+    };
+    const V x = coordinate(lx, hn::And(code, nibble), nx);
+    const V y = coordinate(ly, hn::And(hn::ShiftRight<4>(code), nibble), ny);
+    const V z = coordinate(lz, hn::And(hn::ShiftRight<8>(code), nibble), nz);
+    const VI ix = hn::ConvertTo(di, x);
+    const VI iy = hn::ConvertTo(di, y);
+    const VI iz = hn::ConvertTo(di, z);
+    const V tx = hn::Sub(x, hn::ConvertTo(d, ix));
+    const V ty = hn::Sub(y, hn::ConvertTo(d, iy));
+    const V tz = hn::Sub(z, hn::ConvertTo(d, iz));
+    const VI one = hn::Set(di, 1);
+    const VI seven = hn::Set(di, 7);
+    const VI bits = hn::And(hn::ShiftRight<24>(code), nibble);
+    const auto bits_u = hn::BitCast(du, bits);
+    const auto mask = hn::Sub(hn::Shl(hn::Set(du, 1U), bits_u), hn::Set(du, 1U));
+    const VI row_bits = hn::Mul(hn::Add(nx, one), bits);
+    const VI plane_bits = hn::Mul(hn::Add(ny, one), row_bits);
+    const VI start = hn::Add(hn::Mul(iz, plane_bits), hn::Add(hn::Mul(iy, row_bits), hn::Mul(ix, bits)));
+    const auto* floats = reinterpret_cast<const float*>(v.bricks);
+    const V offset = hn::GatherIndex(d, floats + 2, about);
+    const V scale = hn::GatherIndex(d, floats + 3, about);
+    const auto decoded = [&](V kept) {
+        if constexpr (squared) {
+            const V root = hn::MulAdd(kept, scale, offset);
+            return hn::Mul(root, root);
+        } else {
+            return kept;
+        }
+    };
+    const auto row = [&](VI at) {
+        const auto word = hn::BitCast(du, gather_bytes(v.data, hn::Add(base, hn::ShiftRight<3>(at))));
+        const auto pair = hn::Shr(word, hn::BitCast(du, hn::And(at, seven)));
+        const V a = hn::ConvertTo(d, hn::BitCast(di, hn::And(pair, mask)));
+        const V b = hn::ConvertTo(d, hn::BitCast(di, hn::And(hn::Shr(pair, bits_u), mask)));
+        return lerp(decoded(a), decoded(b), tx);
+    };
+    const VI above = hn::Add(start, plane_bits);
+    const V value = lerp(lerp(row(start), row(hn::Add(start, row_bits)), ty),
+                         lerp(row(above), row(hn::Add(above, row_bits)), ty), tz);
+    if constexpr (squared) {
+        return value;
+    } else {
+        const VI slope = hn::GatherIndex(di, v.slopes, brick);
+        const VI exponent = hn::BitCast(di, hn::ShiftRight<27>(hn::BitCast(du, slope)));
+        const V unit = hn::BitCast(d, hn::ShiftLeft<23>(hn::Add(exponent, hn::Set(di, 127 - 24))));
+        const V sx = hn::ConvertTo(d, hn::ShiftRight<23>(hn::ShiftLeft<23>(slope)));
+        const V sy = hn::ConvertTo(d, hn::ShiftRight<23>(hn::ShiftLeft<14>(slope)));
+        const V sz = hn::ConvertTo(d, hn::ShiftRight<23>(hn::ShiftLeft<5>(slope)));
+        const V plane = hn::MulAdd(sx, lx, hn::MulAdd(sy, ly, hn::Mul(sz, lz)));
+        return hn::MulAdd(plane, unit, hn::MulAdd(value, scale, offset));
+    }
+}
+
+// CompactField::sample() at voxels from the volume's corner.
+HWY_INLINE V sample_compact(const CompactView& f, V px, V py, V pz) {
+    const D d;
+    const DI di;
+    const auto coordinate = [&](V p, int a) {
+        const V q = hn::Mul(hn::Sub(p, hn::Set(d, f.first[a])), hn::Set(d, f.inverse_factor));
+        return hn::Min(hn::Max(q, hn::Zero(d)), hn::Set(d, f.last[a]));
+    };
+    const V x = coordinate(px, 0);
+    const V y = coordinate(py, 1);
+    const V z = coordinate(pz, 2);
+    const VI bx = hn::ShiftRight<3>(hn::ConvertTo(di, x));
+    const VI by = hn::ShiftRight<3>(hn::ConvertTo(di, y));
+    const VI bz = hn::ShiftRight<3>(hn::ConvertTo(di, z));
+    const VI brick = find_brick(f, bx, by, bz);
+    const auto local = [&](V q, VI b) { return hn::Sub(q, hn::ConvertTo(d, hn::ShiftLeft<3>(b))); };
+    const V value =
+        sample_compact_brick<false>(f, hn::Max(brick, hn::Zero(di)), local(x, bx), local(y, by), local(z, bz));
+    return hn::IfThenElseZero(hn::RebindMask(d, hn::Gt(brick, hn::Set(di, -1))), value);
 }
 
 // One copy of the detail's texture, -1 .. 1, at cells >= 0.
@@ -250,7 +378,63 @@ std::size_t packet_lanes() {
     return hn::Lanes(D());
 }
 
-void march_packet(const MarchInput& in, Packet& packet) {
+// What a march reads from: the bricks and dense fields, or their compact form.
+struct Plain {
+    static HWY_INLINE VI find(const MarchInput& in, VI bx, VI by, VI bz) { return find_brick(in.volume, bx, by, bz); }
+    static HWY_INLINE V density(const MarchInput& in, VI brick, VI ix, VI iy, VI iz, V px, V py, V pz) {
+        const D d;
+        return sample_brick(in.volume, brick, ix, iy, iz, hn::Sub(px, hn::ConvertTo(d, ix)),
+                            hn::Sub(py, hn::ConvertTo(d, iy)), hn::Sub(pz, hn::ConvertTo(d, iz)));
+    }
+    static HWY_INLINE V depth(const MarchInput& in, int i, V px, V py, V pz) {
+        return sample_field(in.depth[i], px, py, pz);
+    }
+    static HWY_INLINE V field(const MarchInput& in, int i, V px, V py, V pz) {
+        return sample_field(in.field[i], px, py, pz);
+    }
+    static HWY_INLINE V beam(const MarchInput& in, VI angle, VI depth, V tu, V ta) {
+        const D d;
+        const VI at = hn::Add(hn::Mul(angle, hn::Set(DI(), BeamTable::depths)), depth);
+        const V near = lerp(hn::GatherIndex(d, in.table, at), hn::GatherIndex(d, in.table + 1, at), tu);
+        const V far = lerp(hn::GatherIndex(d, in.table + BeamTable::depths, at),
+                           hn::GatherIndex(d, in.table + BeamTable::depths + 1, at), tu);
+        return lerp(near, far, ta);
+    }
+};
+
+struct Compact {
+    static HWY_INLINE VI find(const MarchInput& in, VI bx, VI by, VI bz) {
+        return find_brick(in.compact_density, bx, by, bz);
+    }
+    static HWY_INLINE V density(const MarchInput& in, VI brick, VI ix, VI iy, VI iz, V px, V py, V pz) {
+        const auto local = [](V p, VI i) { return hn::Sub(p, hn::ConvertTo(D(), hn::AndNot(hn::Set(DI(), 7), i))); };
+        return sample_compact_brick<true>(in.compact_density, brick, local(px, ix), local(py, iy), local(pz, iz));
+    }
+    static HWY_INLINE V depth(const MarchInput& in, int i, V px, V py, V pz) {
+        return sample_compact(in.compact_depth[i], px, py, pz);
+    }
+    static HWY_INLINE V field(const MarchInput& in, int i, V px, V py, V pz) {
+        return sample_compact(in.compact_field[i], px, py, pz);
+    }
+    static HWY_INLINE V beam(const MarchInput& in, VI angle, VI depth, V tu, V ta) {
+        const D d;
+        const DI di;
+        const VI word = hn::Set(di, 0xffff);
+        const VI at = hn::ShiftLeft<1>(hn::Add(hn::Mul(angle, hn::Set(di, BeamTable::depths)), depth));
+        const VI about = hn::ShiftLeft<1>(angle);
+        const auto row = [&](int next) {
+            const VI pair = gather_bytes(in.compact_table + next * BeamTable::depths, at);
+            const V a = hn::ConvertTo(d, hn::And(pair, word));
+            const V b = hn::ConvertTo(d, hn::And(hn::ShiftRight<16>(pair), word));
+            const float* of_row = in.compact_rows + std::ptrdiff_t(2) * next;
+            return hn::MulAdd(lerp(a, b, tu), hn::GatherIndex(d, of_row + 1, about), hn::GatherIndex(d, of_row, about));
+        };
+        return lerp(row(0), row(1), ta);
+    }
+};
+
+template <class From>
+void march_from(const MarchInput& in, Packet& packet) {
     const D d;
     const DI di;
     const V zero = hn::Zero(d);
@@ -311,15 +495,13 @@ void march_packet(const MarchInput& in, Packet& packet) {
         const VI bx = hn::ShiftRight<3>(ix);
         const VI by = hn::ShiftRight<3>(iy);
         const VI bz = hn::ShiftRight<3>(iz);
-        const VI brick = find_brick(in.volume, bx, by, bz);
+        const VI brick = From::find(in, bx, by, bz);
         const M filled = hn::And(active, hn::RebindMask(d, hn::Gt(brick, hn::Set(di, -1))));
         V next = hn::Add(k, width);
         V next_width = one;
         if (!hn::AllFalse(d, filled)) {
-            V density = hn::IfThenElseZero(filled, sample_brick(in.volume, hn::Max(brick, hn::Zero(di)), ix, iy, iz,
-                                                                hn::Sub(px, hn::ConvertTo(d, ix)),
-                                                                hn::Sub(py, hn::ConvertTo(d, iy)),
-                                                                hn::Sub(pz, hn::ConvertTo(d, iz))));
+            V density =
+                hn::IfThenElseZero(filled, From::density(in, hn::Max(brick, hn::Zero(di)), ix, iy, iz, px, py, pz));
             if (in.detail != nullptr && !hn::AllFalse(d, hn::Gt(density, zero))) {
                 const V weight_of =
                     hn::Mul(hn::Set(d, in.detail_strength), hn::NegMulAdd(density, hn::Set(d, in.inverse_most), one));
@@ -336,7 +518,7 @@ void march_packet(const MarchInput& in, Packet& packet) {
                 const V opacity = hn::IfThenElse(hn::Lt(tau, hn::Set(d, 1e-2F)), series, hn::Sub(one, e));
                 const V share = hn::IfThenElseZero(active, hn::Mul(transmittance, in.riemann ? tau : opacity));
                 for (int i = 0; i < in.lights; ++i) {
-                    const V optical = sample_field(in.depth[i], px, py, pz);
+                    const V optical = From::depth(in, i, px, py, pz);
                     const V u = hn::Mul(
                         hn::Min(hn::Sqrt(hn::Max(hn::Mul(optical, hn::Set(d, in.inverse_max_depth)), zero)), one),
                         hn::Set(d, static_cast<float>(BeamTable::depths - 1)));
@@ -345,16 +527,13 @@ void march_packet(const MarchInput& in, Packet& packet) {
                     const V a = hn::LoadU(d, packet.angle[i]);
                     const VI ia = hn::Min(hn::ConvertTo(di, a), hn::Set(di, BeamTable::angles - 2));
                     const V ta = hn::Sub(a, hn::ConvertTo(d, ia));
-                    const VI at = hn::Add(hn::Mul(ia, hn::Set(di, BeamTable::depths)), iu);
-                    const V near = lerp(hn::GatherIndex(d, in.table, at), hn::GatherIndex(d, in.table + 1, at), tu);
-                    const V far = lerp(hn::GatherIndex(d, in.table + BeamTable::depths, at),
-                                       hn::GatherIndex(d, in.table + BeamTable::depths + 1, at), tu);
+                    const V value = From::beam(in, ia, iu, tu, ta);
                     const V decay =
                         hn::Exp(d, hn::Max(hn::Mul(optical, hn::Set(d, -in.table_decay)), hn::Set(d, -87.0F)));
-                    beam[i] = hn::MulAdd(share, hn::Mul(lerp(near, far, ta), decay), beam[i]);
+                    beam[i] = hn::MulAdd(share, hn::Mul(value, decay), beam[i]);
                 }
                 for (int i = 0; i < in.fields; ++i) {
-                    field[i] = hn::MulAdd(share, sample_field(in.field[i], px, py, pz), field[i]);
+                    field[i] = hn::MulAdd(share, From::field(in, i, px, py, pz), field[i]);
                 }
                 const V seen = hn::IfThenElseZero(active, hn::Mul(transmittance, opacity));
                 depth = hn::MulAdd(seen, t, depth);
@@ -409,6 +588,14 @@ void march_packet(const MarchInput& in, Packet& packet) {
     hn::StoreU(hn::IfThenElseZero(hn::Gt(weight, zero), hn::Sqrt(hn::Max(variance, zero))), d, packet.spread);
 }
 
+void march_packet(const MarchInput& in, Packet& packet) {
+    march_from<Plain>(in, packet);
+}
+
+void march_compact(const MarchInput& in, Packet& packet) {
+    march_from<Compact>(in, packet);
+}
+
 } // namespace alpenglow::clouds::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -424,6 +611,7 @@ namespace alpenglow::clouds {
 
 HWY_EXPORT(sample_points);
 HWY_EXPORT(march_packet);
+HWY_EXPORT(march_compact);
 HWY_EXPORT(packet_lanes);
 
 namespace {
@@ -452,6 +640,22 @@ FieldView view_of(const Field16& field, const glm::ivec3& corner) {
             field.scale};
 }
 
+CompactView view_of(const CompactField& field, const glm::ivec3& corner) {
+    static_assert(sizeof(CompactField::Brick) == 16);
+    const glm::vec3 first = field.origin() - glm::vec3(corner);
+    const glm::vec3 last = glm::vec3(field.size()) - 1e-3F;
+    return {reinterpret_cast<const std::int32_t*>(field.node_table().data()),
+            field.entries().data(),
+            reinterpret_cast<const std::int32_t*>(field.bricks().data()),
+            reinterpret_cast<const std::int32_t*>(field.slopes().data()),
+            field.data().data(),
+            field.nodes().x,
+            field.nodes().y,
+            {first.x, first.y, first.z},
+            1.0F / static_cast<float>(field.factor()),
+            {last.x, last.y, last.z}};
+}
+
 } // namespace
 
 void sample_batch(const BrickVolume& volume, std::span<const float> x, std::span<const float> y,
@@ -476,47 +680,38 @@ void sample_batch(const BrickVolume& volume, std::span<const float> x, std::span
     }
 }
 
-Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Camera& camera,
-              const MarchSettings& settings) {
+namespace {
+
+// What both forms of a lit cloud tell about their rays, beside a MarchInput.
+struct Scene {
+    const GridTransform& transform;
+    glm::ivec3 corner; // of the volume, index coordinates
+    glm::ivec3 active_low, active_high;
+    float max_density;
+    float table_decay, table_max_depth, table_narrow;
+    std::vector<glm::vec3> to_light; // the grid's frame
+    std::vector<glm::vec3> irradiance;
+    glm::vec3 colour; // of a single field
+    bool compact;
+};
+
+Picture march_scene(const Scene& scene, MarchInput& in, const Camera& camera, const MarchSettings& settings) {
     Picture picture(camera.width, camera.height);
-    if (volume.empty()) {
-        return picture;
-    }
-    assert(lighting.lights().size() <= std::size_t(max_lights));
-    const GridTransform& transform = volume.transform();
+    const GridTransform& transform = scene.transform;
     const glm::dvec3 eye = transform.index_from_world(camera.position_m);
-    CloudLighting::ViewFields made;
-    if (settings.fields == nullptr) {
-        made = lighting.contract(eye);
-    }
-    const CloudLighting::ViewFields& fields = settings.fields != nullptr ? *settings.fields : made;
     const PixelRect rect = settings.rect.empty() ? PixelRect{0, 0, camera.width, camera.height} : settings.rect;
     assert(rect.x0 >= 0 && rect.y0 >= 0 && rect.x1 <= camera.width && rect.y1 <= camera.height);
     const auto voxel = static_cast<float>(std::min({transform.voxel_m.x, transform.voxel_m.y, transform.voxel_m.z}));
-    MarchInput in{};
-    in.volume = view_of(volume);
-    in.lights = static_cast<int>(lighting.lights().size());
-    for (int i = 0; i < in.lights; ++i) {
-        in.depth[i] = view_of(lighting.lights()[std::size_t(i)].depth, volume.min());
-    }
-    in.fields = static_cast<int>(fields.fields.size());
-    for (int i = 0; i < in.fields; ++i) {
-        in.field[i] = view_of(fields.fields[std::size_t(i)], volume.min());
-    }
-    in.table = lighting.table().values().data();
-    in.table_decay = lighting.table().decay();
-    in.inverse_max_depth = 1.0F / lighting.table().max_depth();
+    in.table_decay = scene.table_decay;
+    in.inverse_max_depth = 1.0F / scene.table_max_depth;
     in.step = settings.step_voxels * voxel;
-    in.extinction = lighting.medium().extinction_per_m * lighting.eye_extinction();
-    in.beam_scale = 1.0F / lighting.eye_extinction();
     in.optical_step = settings.optical_step;
     in.stop = settings.stop_transmittance;
-    in.riemann = lighting.settings().method == LightingMethod::harris;
     if (settings.detail != nullptr && settings.detail_strength > 0.0F) {
         in.detail = settings.detail->data().data();
         in.detail_strength = settings.detail_strength;
         in.detail_cells = settings.detail_cells;
-        in.inverse_most = 1.0F / volume.max_density();
+        in.inverse_most = 1.0F / scene.max_density;
         in.detail_drifts = settings.detail_offsets.has_value();
         const DetailOffsets offsets = settings.detail_offsets.value_or(DetailOffsets{});
         for (int a = 0; a < 3; ++a) {
@@ -524,8 +719,8 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
             in.detail_second[a] = offsets.second[a];
         }
     }
-    const glm::dvec3 low(volume.active_low() - 1);
-    const glm::dvec3 high(volume.active_high() + 1);
+    const glm::dvec3 low(scene.active_low - 1);
+    const glm::dvec3 high(scene.active_high + 1);
     // Packets are tiles four pixels wide: neighbours take the same bricks.
     const int lanes = static_cast<int>(HWY_DYNAMIC_DISPATCH(packet_lanes)());
     const int tile_w = std::min(4, lanes);
@@ -568,22 +763,27 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
                     for (int a = 0; a < 3; ++a) {
                         packet.d[a][lane] = direction[a];
                         packet.o[a][lane] = static_cast<float>(
-                            enter < leave ? eye[a] - double(volume.min()[a]) + double(direction[a]) * base : 0.0);
+                            enter < leave ? eye[a] - double(scene.corner[a]) + double(direction[a]) * base : 0.0);
                     }
                     packet.t0[lane] = t0;
                     packet.t1[lane] = t1;
                     any = any || t0 < t1;
                     for (int i = 0; i < in.lights; ++i) {
-                        const glm::vec3 difference = lighting.lights()[std::size_t(i)].to_light - local;
-                        packet.angle[i][lane] = lighting.table().angle_coordinate(
-                            0.5F *
-                            (difference.x * difference.x + difference.y * difference.y + difference.z * difference.z));
+                        const glm::vec3 difference = scene.to_light[std::size_t(i)] - local;
+                        packet.angle[i][lane] = BeamTable::angle_coordinate(0.5F * (difference.x * difference.x +
+                                                                                    difference.y * difference.y +
+                                                                                    difference.z * difference.z),
+                                                                            scene.table_narrow);
                     }
                 }
                 if (!any) {
                     continue;
                 }
-                HWY_DYNAMIC_DISPATCH(march_packet)(in, packet);
+                if (scene.compact) {
+                    HWY_DYNAMIC_DISPATCH(march_compact)(in, packet);
+                } else {
+                    HWY_DYNAMIC_DISPATCH(march_packet)(in, packet);
+                }
                 for (int lane = 0; lane < lanes; ++lane) {
                     const int x = x0 + lane % tile_w;
                     const int y = y0 + lane / tile_w;
@@ -593,10 +793,10 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
                     const std::size_t pixel = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
                     glm::vec3 sum(0.0F);
                     for (int i = 0; i < in.lights; ++i) {
-                        sum += lighting.lights()[std::size_t(i)].irradiance * packet.beam[i][lane];
+                        sum += scene.irradiance[std::size_t(i)] * packet.beam[i][lane];
                     }
                     if (in.fields == 1) {
-                        sum += fields.colour * packet.field[0][lane];
+                        sum += scene.colour * packet.field[0][lane];
                     } else if (in.fields == 3) {
                         sum += glm::vec3(packet.field[0][lane], packet.field[1][lane], packet.field[2][lane]);
                     }
@@ -611,6 +811,95 @@ Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Ca
         },
         settings.threads);
     return picture;
+}
+
+} // namespace
+
+Picture march(const BrickVolume& volume, const CloudLighting& lighting, const Camera& camera,
+              const MarchSettings& settings) {
+    if (volume.empty()) {
+        return Picture(camera.width, camera.height);
+    }
+    assert(lighting.lights().size() <= std::size_t(max_lights));
+    CloudLighting::ViewFields made;
+    if (settings.fields == nullptr) {
+        made = lighting.contract(volume.transform().index_from_world(camera.position_m));
+    }
+    const CloudLighting::ViewFields& fields = settings.fields != nullptr ? *settings.fields : made;
+    const BeamTable& table = lighting.table();
+    Scene scene{volume.transform(),
+                volume.min(),
+                volume.active_low(),
+                volume.active_high(),
+                volume.max_density(),
+                table.decay(),
+                table.max_depth(),
+                table.narrow(),
+                {},
+                {},
+                fields.colour,
+                false};
+    MarchInput in{};
+    in.volume = view_of(volume);
+    in.table = table.values().data();
+    in.lights = static_cast<int>(lighting.lights().size());
+    for (int i = 0; i < in.lights; ++i) {
+        const BakedLight& light = lighting.lights()[std::size_t(i)];
+        in.depth[i] = view_of(light.depth, volume.min());
+        scene.to_light.push_back(light.to_light);
+        scene.irradiance.push_back(light.irradiance);
+    }
+    in.fields = static_cast<int>(fields.fields.size());
+    for (int i = 0; i < in.fields; ++i) {
+        in.field[i] = view_of(fields.fields[std::size_t(i)], volume.min());
+    }
+    in.extinction = lighting.medium().extinction_per_m * lighting.eye_extinction();
+    in.beam_scale = 1.0F / lighting.eye_extinction();
+    in.riemann = lighting.settings().method == LightingMethod::harris;
+    return march_scene(scene, in, camera, settings);
+}
+
+Picture march(const CompactCloud& cloud, const Camera& camera, const MarchSettings& settings) {
+    if (cloud.empty()) {
+        return Picture(camera.width, camera.height);
+    }
+    assert(cloud.lights().size() <= std::size_t(max_lights));
+    const CompactTable& table = cloud.table();
+    Scene scene{cloud.transform(),
+                cloud.min(),
+                cloud.active_low(),
+                cloud.active_high(),
+                cloud.max_density(),
+                table.decay(),
+                table.max_depth(),
+                table.narrow(),
+                {},
+                {},
+                cloud.colour(),
+                true};
+    MarchInput in{};
+    in.compact_table = table.values().data();
+    in.compact_rows = table.rows().data();
+    in.compact_density = view_of(cloud.density(), cloud.min());
+    const glm::vec3 size(cloud.density().size());
+    for (int a = 0; a < 3; ++a) {
+        in.volume.size[a] = size[a];
+    }
+    in.lights = static_cast<int>(cloud.lights().size());
+    for (int i = 0; i < in.lights; ++i) {
+        const CompactCloud::Light& light = cloud.lights()[std::size_t(i)];
+        in.compact_depth[i] = view_of(light.depth, cloud.min());
+        scene.to_light.push_back(light.to_light);
+        scene.irradiance.push_back(light.irradiance);
+    }
+    in.fields = static_cast<int>(cloud.fields().size());
+    for (int i = 0; i < in.fields; ++i) {
+        in.compact_field[i] = view_of(cloud.fields()[std::size_t(i)], cloud.min());
+    }
+    in.extinction = cloud.extinction_per_m();
+    in.beam_scale = 1.0F / cloud.eye_extinction();
+    in.riemann = cloud.riemann();
+    return march_scene(scene, in, camera, settings);
 }
 
 } // namespace alpenglow::clouds

@@ -1,3 +1,4 @@
+#include <alpenglow/clouds/compact.hpp>
 #include <alpenglow/clouds/march.hpp>
 
 #include <alpenglow/core/parallel_for.hpp>
@@ -8,17 +9,53 @@
 
 namespace alpenglow::clouds {
 
-RayLight march_ray(const BrickVolume& volume, const CloudLighting& lighting, const CloudLighting::ViewFields& fields,
-                   const glm::dvec3& eye, const glm::vec3& world, const MarchSettings& settings, float t_end,
-                   float t_start) {
+namespace {
+
+// A lit cloud as a ray reads it: bricks and dense fields, or the compact form.
+struct Plain {
+    const BrickVolume& volume;
+    const CloudLighting& lighting;
+    const CloudLighting::ViewFields& view;
+
+    [[nodiscard]] const BrickVolume& box() const { return volume; }
+    [[nodiscard]] float density(const glm::vec3& p) const { return volume.sample(p); }
+    [[nodiscard]] const std::vector<BakedLight>& lights() const { return lighting.lights(); }
+    [[nodiscard]] const std::vector<Field16>& fields() const { return view.fields; }
+    [[nodiscard]] const glm::vec3& colour() const { return view.colour; }
+    [[nodiscard]] const BeamTable& table() const { return lighting.table(); }
+    [[nodiscard]] float eye_extinction() const { return lighting.eye_extinction(); }
+    [[nodiscard]] float extinction_per_m() const {
+        return lighting.medium().extinction_per_m * lighting.eye_extinction();
+    }
+    [[nodiscard]] bool riemann() const { return lighting.settings().method == LightingMethod::harris; }
+};
+
+struct Compact {
+    const CompactCloud& cloud;
+
+    [[nodiscard]] const CompactCloud& box() const { return cloud; }
+    [[nodiscard]] float density(const glm::vec3& p) const { return cloud.density().sample(p); }
+    [[nodiscard]] const std::vector<CompactCloud::Light>& lights() const { return cloud.lights(); }
+    [[nodiscard]] const std::vector<CompactField>& fields() const { return cloud.fields(); }
+    [[nodiscard]] const glm::vec3& colour() const { return cloud.colour(); }
+    [[nodiscard]] const CompactTable& table() const { return cloud.table(); }
+    [[nodiscard]] float eye_extinction() const { return cloud.eye_extinction(); }
+    [[nodiscard]] float extinction_per_m() const { return cloud.extinction_per_m(); }
+    [[nodiscard]] bool riemann() const { return cloud.riemann(); }
+};
+
+template <class From>
+RayLight ray_through(const From& from_cloud, const glm::dvec3& eye, const glm::vec3& world,
+                     const MarchSettings& settings, float t_end, float t_start) {
     RayLight out;
-    const GridTransform& transform = volume.transform();
+    const auto& box = from_cloud.box();
+    const GridTransform& transform = box.transform();
     const auto voxel = static_cast<float>(std::min({transform.voxel_m.x, transform.voxel_m.y, transform.voxel_m.z}));
     const float step = settings.step_voxels * voxel;
-    const float extinction = lighting.medium().extinction_per_m * lighting.eye_extinction();
-    const bool riemann = lighting.settings().method == LightingMethod::harris;
-    const glm::dvec3 low = glm::dvec3(volume.active_low() - 1);
-    const glm::dvec3 high = glm::dvec3(volume.active_high() + 1);
+    const float extinction = from_cloud.extinction_per_m();
+    const bool riemann = from_cloud.riemann();
+    const glm::dvec3 low = glm::dvec3(box.active_low() - 1);
+    const glm::dvec3 high = glm::dvec3(box.active_high() + 1);
     const glm::vec3 local(transform.local_direction(glm::dvec3(world)));
     const glm::vec3 d = local / glm::vec3(transform.voxel_m);
     double enter = std::max(0.0, double(t_start));
@@ -55,29 +92,30 @@ RayLight march_ray(const BrickVolume& volume, const CloudLighting& lighting, con
         }
         const float t = 0.5F * (from + to);
         const glm::vec3 p = origin + d * t;
-        float density = volume.sample(p);
+        float density = from_cloud.density(p);
         if (settings.detail != nullptr && density > 0.0F) {
-            const glm::vec3 cell = (p - glm::vec3(volume.min())) * settings.detail_cells;
+            const glm::vec3 cell = (p - glm::vec3(box.min())) * settings.detail_cells;
             const float noise = settings.detail_offsets ? settings.detail->sample(cell, *settings.detail_offsets)
                                                         : settings.detail->sample(cell);
-            density = detailed_density(density, 1.0F / volume.max_density(), settings.detail_strength, noise);
+            density = detailed_density(density, 1.0F / box.max_density(), settings.detail_strength, noise);
         }
         const float s = extinction * density;
         if (s <= 0.0F) {
             continue;
         }
         glm::vec3 source(0.0F);
-        for (const BakedLight& light : lighting.lights()) {
+        for (const auto& light : from_cloud.lights()) {
             const glm::vec3 difference = light.to_light - local;
             const float omc =
                 0.5F * (difference.x * difference.x + difference.y * difference.y + difference.z * difference.z);
-            source += light.irradiance * lighting.table().value(light.depth.sample(p), omc);
+            source += light.irradiance * from_cloud.table().value(light.depth.sample(p), omc);
         }
-        source /= lighting.eye_extinction();
-        if (fields.fields.size() == 1) {
-            source += fields.colour * fields.fields[0].sample(p);
-        } else if (fields.fields.size() == 3) {
-            source += glm::vec3(fields.fields[0].sample(p), fields.fields[1].sample(p), fields.fields[2].sample(p));
+        source /= from_cloud.eye_extinction();
+        const auto& fields = from_cloud.fields();
+        if (fields.size() == 1) {
+            source += from_cloud.colour() * fields[0].sample(p);
+        } else if (fields.size() == 3) {
+            source += glm::vec3(fields[0].sample(p), fields[1].sample(p), fields[2].sample(p));
         }
         const float tau = s * (to - from);
         const float opacity = -std::expm1(-tau);
@@ -99,16 +137,10 @@ RayLight march_ray(const BrickVolume& volume, const CloudLighting& lighting, con
     return out;
 }
 
-Picture march_scalar(const BrickVolume& volume, const CloudLighting& lighting, const Camera& camera,
-                     const MarchSettings& settings) {
+template <class From>
+Picture picture_of(const From& from, const Camera& camera, const MarchSettings& settings) {
     Picture picture(camera.width, camera.height);
-    if (volume.empty()) {
-        return picture;
-    }
-    const glm::dvec3 eye = volume.transform().index_from_world(camera.position_m);
-    const CloudLighting::ViewFields here =
-        settings.fields == nullptr ? lighting.contract(eye) : CloudLighting::ViewFields{};
-    const CloudLighting::ViewFields& fields = settings.fields == nullptr ? here : *settings.fields;
+    const glm::dvec3 eye = from.box().transform().index_from_world(camera.position_m);
     parallel_for(
         picture.radiance.size(), 64,
         [&](std::size_t begin, std::size_t end) {
@@ -117,7 +149,7 @@ Picture march_scalar(const BrickVolume& volume, const CloudLighting& lighting, c
                                                          static_cast<float>(pixel / std::size_t(camera.width)) + 0.5F);
                 const float t_end = settings.scene_depth_m.empty() ? 1e30F : settings.scene_depth_m[pixel];
                 const float t_start = settings.from_m.empty() ? 0.0F : settings.from_m[pixel];
-                const RayLight ray = march_ray(volume, lighting, fields, eye, world, settings, t_end, t_start);
+                const RayLight ray = ray_through(from, eye, world, settings, t_end, t_start);
                 picture.radiance[pixel] = ray.radiance;
                 picture.transmittance[pixel] = ray.transmittance;
                 picture.depth_m[pixel] = ray.depth_m;
@@ -126,6 +158,29 @@ Picture march_scalar(const BrickVolume& volume, const CloudLighting& lighting, c
         },
         settings.threads);
     return picture;
+}
+
+} // namespace
+
+RayLight march_ray(const BrickVolume& volume, const CloudLighting& lighting, const CloudLighting::ViewFields& fields,
+                   const glm::dvec3& eye, const glm::vec3& world, const MarchSettings& settings, float t_end,
+                   float t_start) {
+    return ray_through(Plain{volume, lighting, fields}, eye, world, settings, t_end, t_start);
+}
+
+Picture march_scalar(const BrickVolume& volume, const CloudLighting& lighting, const Camera& camera,
+                     const MarchSettings& settings) {
+    if (volume.empty()) {
+        return Picture(camera.width, camera.height);
+    }
+    const glm::dvec3 eye = volume.transform().index_from_world(camera.position_m);
+    const CloudLighting::ViewFields here =
+        settings.fields == nullptr ? lighting.contract(eye) : CloudLighting::ViewFields{};
+    return picture_of(Plain{volume, lighting, settings.fields == nullptr ? here : *settings.fields}, camera, settings);
+}
+
+Picture march_scalar(const CompactCloud& cloud, const Camera& camera, const MarchSettings& settings) {
+    return cloud.empty() ? Picture(camera.width, camera.height) : picture_of(Compact{cloud}, camera, settings);
 }
 
 } // namespace alpenglow::clouds

@@ -58,7 +58,8 @@ public:
     [[nodiscard]] float narrow() const { return narrow_; }
     [[nodiscard]] const std::vector<float>& values() const { return values_; } // [angle][depth]
     // Where an angle or depth lies in the table, 0 .. angles - 1 or depths - 1.
-    [[nodiscard]] float angle_coordinate(float one_minus_cos) const;
+    [[nodiscard]] float angle_coordinate(float one_minus_cos) const { return angle_coordinate(one_minus_cos, narrow_); }
+    [[nodiscard]] static float angle_coordinate(float one_minus_cos, float narrow);
     [[nodiscard]] static double depth_at(int i, double max_depth);
     [[nodiscard]] static double angle_at(int i, double narrow);
 
