@@ -166,6 +166,24 @@ void CloudScene::relight(Stage& stage) {
     report.skipped = report.considered - report.updated;
     report.cpu_ms = (process_cpu_seconds() - start) * 1e3;
     stage.reports.push_back(report);
+    cover_places(stage);
+}
+
+// What the clouds leave at the places of probes and of things with transfer.
+void CloudScene::cover_places(Stage& stage) {
+    if (light_revision_ == 0) {
+        return; // there is no light in them yet
+    }
+    const SkyState& sky = registry_.get<SkyState>(stage.sky);
+    CloudsAround around;
+    around.clouds = [this](const glm::dvec3& at) { return lit_clouds(at); };
+    around.shadow = settings.shadows ? shadow_.map() : CloudShadowMap{};
+    around.shadow.offset_m += glm::vec2(drifted_m_);
+    around.by_moon = sky.moon_illuminance_lux.g > sky.sun_illuminance_lux.g;
+    around.to_light = around.by_moon ? stage.light.to_moon : stage.light.to_sun;
+    around.drifted_m = drifted_m_;
+    around.base_m = shadow_.map().base_m;
+    stage.reports.push_back(covers_.update(registry_, registry_.get<SkyLightSh>(stage.sky), around));
 }
 
 // Once for each state of the light, while the sun is where the reference has it.

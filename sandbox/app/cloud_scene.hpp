@@ -14,6 +14,7 @@
 #include <alpenglow/clouds/bricks.hpp>
 #include <alpenglow/components/cloud.hpp>
 
+#include "sandbox/app/cloud_covers.hpp"
 #include "sandbox/app/cloud_reference.hpp"
 #include "sandbox/app/cloud_shadow_map.hpp"
 #include "sandbox/app/cloud_view.hpp"
@@ -61,6 +62,7 @@ private:
     void shade(Stage& stage);
     void measure_sky(const Stage& stage);
     void measure_error();
+    void cover_places(Stage& stage);
     void show(const clouds::Picture& picture, std::uint32_t revision);
 
     BasicRegistry& registry_;
@@ -84,6 +86,7 @@ private:
     std::optional<clouds::ImageError> error_; // against it, of `error_light_`
     std::uint32_t error_light_ = 0;
     CloudShadowMaker shadow_;
+    CloudCovers covers_;
     glm::vec3 shadow_from_{0.0F};    // direction of the light that the shadow was made for
     std::uint32_t shadow_light_ = 0; // light_revision_ likewise
     // The light of the scene below the clouds.

@@ -3,12 +3,34 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/common.hpp>
+
 #include <alpenglow/clouds/occlusion.hpp>
 #include <alpenglow/core/parallel_for.hpp>
 
 #include "sandbox/world/render_data.hpp"
 
 namespace alpenglow::sandbox {
+
+float shadow_at(const CloudShadowMap& map, const glm::vec3& point_m) {
+    if (map.size == 0 || point_m.z >= map.top_m) {
+        return 1.0F;
+    }
+    const glm::vec2 along = glm::vec2(map.to_light) / std::max(map.to_light.z, 0.03F);
+    const glm::vec2 at = (glm::vec2(point_m) + along * (map.plane_m - point_m.z) - map.offset_m) / map.extent_m;
+    const auto size = static_cast<float>(map.size);
+    const glm::vec2 texel = size * (at - glm::floor(at)) + (size - 0.5F);
+    const glm::ivec2 first(texel);
+    const glm::vec2 part = texel - glm::vec2(first);
+    const auto value = [&](int x, int y) {
+        return static_cast<float>(map.texels[static_cast<std::size_t>((y % map.size) * map.size + x % map.size)]) /
+               255.0F;
+    };
+    const float through =
+        glm::mix(glm::mix(value(first.x, first.y), value(first.x + 1, first.y), part.x),
+                 glm::mix(value(first.x, first.y + 1), value(first.x + 1, first.y + 1), part.x), part.y);
+    return glm::mix(through, 1.0F, glm::smoothstep(map.base_m, map.top_m, point_m.z));
+}
 
 void CloudShadowMaker::make(std::span<const ShadowCaster> casters, const glm::vec3& to_light, double extent_m) {
     double low = 1e30;

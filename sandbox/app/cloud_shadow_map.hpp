@@ -20,6 +20,9 @@ struct ShadowCaster {
     double repeat_m = 0.0;
 };
 
+// Transmittance that the map has for a point of the world, as light.glsl looks it up; 1 without a map.
+[[nodiscard]] float shadow_at(const CloudShadowMap& map, const glm::vec3& point_m);
+
 class CloudShadowMaker {
 public:
     // The map for clouds whose light comes from `to_light`; the map's offset is that of no wind.

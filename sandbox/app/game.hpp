@@ -70,6 +70,7 @@ public:
     }
     [[nodiscard]] const CelestialState& celestial() const { return registry_.get<CelestialState>(sky_); }
     [[nodiscard]] const SkyState& sky() const { return registry_.get<SkyState>(sky_); }
+    [[nodiscard]] const SkyLightSh& sky_light() const { return registry_.get<SkyLightSh>(sky_); }
 
 private:
     SystemReport update_dome();

@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <alpenglow/components/cloud_cover.hpp>
 #include <alpenglow/components/probe_receiver.hpp>
 #include <alpenglow/core/timing.hpp>
 #include <alpenglow/probes/assemble.hpp>
@@ -84,6 +85,7 @@ double band_1_norm(const probes::ProbeCoefficients& c) {
 ProbeScene::ProbeScene(BasicRegistry& registry, const World& world, const ProbeSettings& wanted)
     : settings(wanted), registry_(registry), yard_(world), grid_(registry.create()) {
     place_grid();
+    registry_.emplace<CloudCover>(grid_, CloudCover{yard_.middle_m()});
     for (std::size_t i = 0; i < paths.size(); ++i) {
         balls_.push_back(registry_.create());
         registry_.emplace<ProbeReceiver>(balls_.back());
@@ -114,13 +116,14 @@ ProbeScene::~ProbeScene() {
 
 // Things move as long as time does, at the pace of real time.
 void ProbeScene::update(Stage& stage) {
+    const CloudCoverLight* cover = registry_.try_get<CloudCoverLight>(grid_);
     const YardLight light{.to_sun = stage.drawn.to_sun,
                           .to_moon = stage.drawn.to_moon,
-                          .sun_lux = stage.drawn.sun_illuminance_lux,
-                          .moon_lux = stage.drawn.moon_illuminance_lux,
+                          .sun_lux = stage.drawn.sun_illuminance_lux * (cover != nullptr ? cover->sun : 1.0F),
+                          .moon_lux = stage.drawn.moon_illuminance_lux * (cover != nullptr ? cover->moon : 1.0F),
                           .irradiance_matrix = stage.drawn.irradiance_matrix};
     prepare(stage.world_dt_s, light, stage.drawn.projection * stage.drawn.view);
-    const bool yard_drawn = visible_ && draw_yard(light, stage.light_revision);
+    const bool yard_drawn = visible_ && draw_yard(light, stage.light_revision, cover != nullptr ? cover->revision : 0U);
     stage.drawn.probes = render_data(); // captures see the yard
     probes::Capture capture{.render = {}, .budget = captures_per_frame};
     if (stage.capture) {
@@ -309,11 +312,12 @@ void ProbeScene::measure() {
 }
 
 // True where it was made anew.
-bool ProbeScene::draw_yard(const YardLight& light, std::uint32_t light_revision) {
-    if (light_revision == yard_light_revision_) {
+bool ProbeScene::draw_yard(const YardLight& light, std::uint32_t light_revision, std::uint32_t cover_revision) {
+    if (light_revision == yard_light_revision_ && cover_revision == yard_cover_revision_) {
         return false;
     }
     yard_light_revision_ = light_revision;
+    yard_cover_revision_ = cover_revision;
     yard_vertices_.clear();
     yard_indices_.clear();
     yard_.append_mesh(light, yard_vertices_, yard_indices_);

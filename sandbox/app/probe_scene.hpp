@@ -7,6 +7,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
+#include <alpenglow/components/cloud_cover.hpp>
 #include <alpenglow/components/probe_grid.hpp>
 #include <alpenglow/core/system_report.hpp>
 #include <alpenglow/ecs/registry.hpp>
@@ -46,6 +47,8 @@ public:
     [[nodiscard]] const ProbeRenderData* render_data() const { return visible_ ? &drawn_ : nullptr; }
     [[nodiscard]] const ProbeNumbers& numbers() const { return numbers_; }
     [[nodiscard]] const ProbeGrid& grid() const { return registry_.get<ProbeGrid>(grid_); }
+    // What clouds leave of the light there; null without clouds.
+    [[nodiscard]] const CloudCoverLight* cover() const { return registry_.try_get<CloudCoverLight>(grid_); }
     [[nodiscard]] const ProbeGridSh& grid_light() const { return registry_.get<ProbeGridSh>(grid_); }
 
 private:
@@ -59,7 +62,7 @@ private:
     void trace_lights(const YardLight& light);
     void move_balls();
     void measure();
-    bool draw_yard(const YardLight& light, std::uint32_t light_revision);
+    bool draw_yard(const YardLight& light, std::uint32_t light_revision, std::uint32_t cover_revision);
     bool draw_display();
     bool draw_balls();
 
@@ -79,7 +82,7 @@ private:
     std::vector<LitSphere> spheres_;
     ProbeRenderData drawn_;
     // What was drawn last.
-    std::uint32_t yard_light_revision_ = 0;
+    std::uint32_t yard_light_revision_ = 0, yard_cover_revision_ = 0;
     std::uint32_t display_probe_revision_ = 0;
     bool display_shows_probes_ = false;
 };

@@ -12,6 +12,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include <alpenglow/components/cloud_cover.hpp>
 #include <alpenglow/core/timing.hpp>
 #include <alpenglow/prt/lobe.hpp>
 #include <alpenglow/prt/neighbourhood.hpp>
@@ -69,6 +70,7 @@ TransferScene::TransferScene(Stage& stage, const TransferSettings& wanted, std::
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         drawn_bodies_[i].mesh_revision = next_revision();
     }
+    registry_.emplace<CloudCover>(receiver_, CloudCover{objects_.middle_m});
     const std::array<std::uint32_t, 4> packed =
         terrain_horizon(stage.world.terrain, stage.world.data.terrain, glm::vec2(objects_.middle_m));
     for (std::size_t k = 0; k < horizon_.size(); ++k) {
@@ -185,14 +187,24 @@ void TransferScene::take_tables(bool by_shader) {
 }
 
 void TransferScene::light_all(const Stage& stage) {
-    if (stage.light_revision == lit_by_ && settings.window == lit_through_) {
+    const CloudCoverLight* cover = registry_.try_get<CloudCoverLight>(receiver_);
+    const std::uint32_t covered = cover != nullptr ? cover->revision : 0;
+    if (stage.light_revision == lit_by_ && covered == lit_below_ && settings.window == lit_through_) {
         return;
     }
     lit_by_ = stage.light_revision;
+    lit_below_ = covered;
     lit_through_ = settings.window;
-    light_ = transfer_light(stage.light, registry_.get<CelestialState>(stage.sky), registry_.get<SkyState>(stage.sky),
-                            registry_.get<SkyLightSh>(stage.sky), registry_.get<Atmosphere>(stage.sky), horizon_,
-                            settings.window);
+    SkyState sky = registry_.get<SkyState>(stage.sky);
+    SkyLightSh sky_light = registry_.get<SkyLightSh>(stage.sky);
+    if (cover != nullptr) {
+        put_below_clouds(*cover,
+                         std::span(sky_light.coefficients).first(std::size_t(sky_light.bands * sky_light.bands)));
+        sky.sun_illuminance_lux *= cover->sun;
+        sky.moon_illuminance_lux *= cover->moon;
+    }
+    light_ = transfer_light(stage.light, registry_.get<CelestialState>(stage.sky), sky, sky_light,
+                            registry_.get<Atmosphere>(stage.sky), horizon_, settings.window);
     each_baked([this](Baked& baked, TransferSource&) {
         const bool diffuse = std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
             return body.diffuse && body.diffuse->entity == baked.entity;

@@ -97,7 +97,8 @@ private:
     bool glider_moved_ = true;
 
     TransferLight light_;
-    std::uint32_t lit_by_ = 0; // revision of the stage's light
+    std::uint32_t lit_by_ = 0;    // revision of the stage's light
+    std::uint32_t lit_below_ = 0; // and of what clouds leave of it
     TransferWindow lit_through_ = TransferWindow::none;
     // Part of its light that the glider leaves to each vertex of the ground.
     std::vector<glm::vec3> left_;

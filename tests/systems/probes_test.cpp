@@ -226,5 +226,44 @@ TYPED_TEST(ProbeSystems, AnEmptySceneDoesNothing) {
     EXPECT_EQ(update_probe_receivers(empty, this->frame).considered, 0U);
 }
 
+// A place below clouds gets the light of their cover, as if the sky itself were that; one without a cover keeps the
+// clear sky's; and the light below follows the clear sky's brightness.
+TYPED_TEST(ProbeSystems, BelowCloudsTheCoversLightTakesTheSkys) {
+    const auto probe = [&](float x) {
+        const auto entity = this->registry.create();
+        LightProbe& made = this->registry.template emplace<LightProbe>(entity);
+        made.position_m = {x, 0.0F, 0.0F};
+        made.radius_m = 10.0F;
+        made.deringing = Deringing::none;
+        made.ground_albedo = glm::vec3(0.0F);
+        this->receiver(made.position_m);
+        return entity;
+    };
+    const auto below = probe(0.0F);
+    const auto away = probe(100.0F);
+    this->step();
+    this->step();
+    const SkyLightSh clear = this->registry.template get<SkyLightSh>(this->sky);
+    const auto light = [&](auto entity) { return this->registry.template get<LightProbeSh>(entity).coefficients; };
+    const auto before = light(below);
+    ASSERT_EQ(before[0], light(away)[0]);
+
+    CloudCoverLight& cover = this->registry.template emplace<CloudCoverLight>(below);
+    for (std::size_t k = 0; k < cover.sky.size(); ++k) {
+        cover.sky[k] = glm::vec3(0.1F + 0.01F * static_cast<float>(k));
+    }
+    cover.clear = 0.5F * clear.coefficients[0]; // the sky has become twice as bright since
+    cover.sun = 0.0F;
+    this->step();
+    EXPECT_EQ(light(below), before) << "a cover that was never made";
+    cover.revision = 1;
+    EXPECT_GE(this->step().updated, 1U);
+    for (std::size_t k = 0; k < 9; ++k) {
+        EXPECT_NEAR(light(below)[k].g, 2.0F * cover.sky[k].g, 1e-4F) << k; // no sun, no ground: the cover's sky alone
+    }
+    EXPECT_EQ(light(away), before);
+    EXPECT_EQ(this->step().updated, 0U);
+}
+
 } // namespace
 } // namespace alpenglow

@@ -10,12 +10,16 @@
 #include <glm/geometric.hpp>
 
 #include <alpenglow/clouds/modelling.hpp>
+#include <alpenglow/clouds/occlusion.hpp>
 #include <alpenglow/clouds/vdb.hpp>
 
 #include "one_game.hpp"
 #include "sandbox/app/camera_flight.hpp"
 #include "sandbox/app/cloud_depth.hpp"
 #include "sandbox/app/cloud_scene.hpp"
+#ifdef ALPENGLOW_TEST_PROBES
+#include "sandbox/app/probe_scene.hpp"
+#endif
 
 namespace alpenglow::sandbox {
 namespace {
@@ -283,6 +287,75 @@ TEST_F(CloudSceneTest, TheLandscapesDistanceIsThatOfItsTriangles) {
     }
     EXPECT_GT(hits, 5);
 }
+
+#ifdef ALPENGLOW_TEST_PROBES
+// Probes under a closed deck get the deck's light, those far from any cloud the clear sky's; a static scene looks once.
+TEST_F(CloudSceneTest, ProbesSeeTheSkyBehindTheClouds) {
+    const auto mean_light = [] { // radiance over all probes and directions
+        double sum = 0.0;
+        const ProbeGridSh& light = game_->part<ProbeScene>()->grid_light();
+        for (std::size_t i = 0; i < light.coefficients.size(); i += light.lines) {
+            sum += double(light.coefficients[i].values[0]); // red of Y_0^0
+        }
+        return sum;
+    };
+    const auto settle = [] {
+        for (int frame = 0; frame < 60; ++frame) {
+            update(1.0 / 60.0);
+        }
+    };
+    Scene scene = cloudy();
+    scene.probes.emplace();
+    const Scene yard = *load_scene("probes");
+    scene.camera_position_m = yard.camera_position_m;
+    scene.camera_yaw_deg = yard.camera_yaw_deg;
+    scene.camera_pitch_deg = yard.camera_pitch_deg;
+    scene.clouds->layers.front().type = CloudLayerType::stratus;
+    scene.clouds->layers.front().cover = 1.0F;
+    game_->enter(scene);
+    update(0.0);
+    EXPECT_EQ(report("cloud_cover")->updated, 1U);
+    settle();
+    EXPECT_EQ(report("cloud_cover")->considered, 1U);
+    EXPECT_EQ(report("cloud_cover")->updated, 0U);
+    EXPECT_EQ(report("probes")->updated, 0U);
+    const CloudCoverLight under = *game_->part<ProbeScene>()->cover();
+    const double under_light = mean_light();
+    const ProbeGrid& grid = game_->part<ProbeScene>()->grid();
+    const glm::dvec3 at = 0.5 * glm::dvec3(grid.min_m + grid.max_m);
+    const CloudScene& clouds = *game_->part<CloudScene>();
+    clouds::SkySh sky;
+    sky.bands = 4;
+    std::copy_n(game_->sky_light().coefficients.begin(), 16, sky.coefficients.begin());
+    const clouds::SkySh exact = clouds::sky_behind_clouds(sky, clouds.lit_clouds(at), at, 2048);
+    double difference = 0.0;
+    double norm = 0.0;
+    for (std::size_t k = 0; k < 16; ++k) {
+        const glm::vec3 d = under.sky[k] - exact.coefficients[k];
+        difference += double(glm::dot(d, d));
+        norm += double(glm::dot(exact.coefficients[k], exact.coefficients[k]));
+    }
+    EXPECT_LT(std::sqrt(difference / norm), 0.05);
+    EXPECT_LT(under.sun, 0.1F);
+    EXPECT_LT(under.open, 0.25F); // above the horizon the deck, 24 km wide, has an end
+
+    scene.clouds->layers.front().cover = 0.0F;
+    game_->enter(scene);
+    update(0.0);
+    settle();
+    const CloudCoverLight open = *game_->part<ProbeScene>()->cover();
+    const double open_light = mean_light();
+    EXPECT_EQ(open.sun, 1.0F);
+    EXPECT_NEAR(open.open, 1.0F, 1e-3F);
+    scene.clouds.reset();
+    game_->enter(scene);
+    update(0.0);
+    settle();
+    EXPECT_EQ(game_->part<ProbeScene>()->cover(), nullptr);
+    EXPECT_NEAR(open_light / mean_light(), 1.0, 0.02);
+    EXPECT_LT(under_light, 0.7 * open_light);
+}
+#endif
 
 TEST(CameraFlight, PassesThroughItsKeysAndTurnsTheShorterWay) {
     const FlightSettings flight{

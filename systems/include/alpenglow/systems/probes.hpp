@@ -2,6 +2,7 @@
 // light.
 #pragma once
 
+#include <alpenglow/components/cloud_cover.hpp>
 #include <alpenglow/components/environment_map.hpp>
 #include <alpenglow/components/light_probe.hpp>
 #include <alpenglow/components/probe_grid.hpp>
@@ -20,6 +21,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -30,7 +32,8 @@ namespace alpenglow {
 // a visible ProbeReceiver is updated, only past its max_error, and of a grid at most its budget a frame (see
 // probes::update_grid). Grids and probes ask for the sky by a SkyLightReceiver of their own. `capture` renders for
 // those whose source is ProbeSource::captured; without it they are assembled. What probes::check refuses is rejected:
-// its previous light stands. Items of the report are probes and maps.
+// its previous light stands. A grid or probe with a CloudCoverLight gets the light that clouds leave of that
+// SkyLightSh, of sun and of moon. Items of the report are probes and maps.
 template <Registry R>
 SystemReport update_probes(R& registry, const Frame& /*frame*/, const probes::Capture& capture = {}) {
     SystemReport report{.system = "probes"};
@@ -77,6 +80,18 @@ SystemReport update_probes(R& registry, const Frame& /*frame*/, const probes::Ca
         return finish();
     }
 
+    // The sources as an entity sees them below clouds.
+    const auto seen_from = [&](auto entity) {
+        ProbeSources seen = sources;
+        const CloudCoverLight* cover = registry.template try_get<CloudCoverLight>(entity);
+        if (cover != nullptr && cover->revision > 0 && !seen.whole_sphere) {
+            put_below_clouds(*cover, std::span(seen.sky).first(static_cast<std::size_t>(seen.order * seen.order)));
+            seen.sun_lux *= cover->sun;
+            seen.moon_lux *= cover->moon;
+        }
+        return seen;
+    };
+
     std::vector<std::pair<typename R::entity_type, int>> asking;
     registry.template view<const ProbeGrid>().each([&](auto entity, const ProbeGrid& grid) {
         if (!registry.template all_of<ProbeGridSh>(entity)) {
@@ -89,7 +104,7 @@ SystemReport update_probes(R& registry, const Frame& /*frame*/, const probes::Ca
         }
         const bool lights = probes::mark_needed(grid, light, wanted);
         asking.emplace_back(entity, lights ? grid.order : 0);
-        add(probes::update_grid(grid, light, sources, capture));
+        add(probes::update_grid(grid, light, seen_from(entity), capture));
     });
     registry.template view<const LightProbe>().each([&](auto entity, const LightProbe& probe) {
         if (!registry.template all_of<LightProbeSh>(entity)) {
@@ -101,7 +116,8 @@ SystemReport update_probes(R& registry, const Frame& /*frame*/, const probes::Ca
         }
         const bool lights = probes::reaches_any(probe, wanted);
         asking.emplace_back(entity, lights ? probe.order : 0);
-        add(probes::update_light_probe(probe, registry.template get<LightProbeSh>(entity), sources, lights, capture));
+        add(probes::update_light_probe(probe, registry.template get<LightProbeSh>(entity), seen_from(entity), lights,
+                                       capture));
     });
     for (const auto& [entity, bands] : asking) {
         registry.template emplace_or_replace<SkyLightReceiver>(entity, SkyLightReceiver{std::max(bands, 1), bands > 0});
