@@ -1,7 +1,9 @@
 #include <alpenglow/impostors/geometry.hpp>
+#include <alpenglow/impostors/raster.hpp>
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
@@ -122,6 +124,32 @@ TEST(Geometry, ScreenAlignedIsTheViewCoarser) {
     EXPECT_EQ(coarse.height, 135);
     EXPECT_EQ(coarse.tan_left, view.tan_left);
     EXPECT_EQ(coarse.tan_top, view.tan_top);
+}
+
+// What a rasterizer is given: a point's pixel and depth are those of the frustum.
+TEST(Raster, ClipSpaceIsTheFrustums) {
+    Frustum view = look_at({100.0, -50.0, 7.0}, {0, 0, 0}, {0.1, 0, 1}, 0.7, 320, 200);
+    view.tan_left *= 0.3; // off centre
+    view.tan_top *= 1.4;
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
+    for (const auto& [near_m, far_m] : {std::pair{100.0, 130.0}, {1e-3, 1e4}, {1e7 - 1.0, 1e7 + 1.0}}) {
+        const glm::mat4 clip = clip_from_eye(view, near_m, far_m);
+        for (int n = 0; n < 200; ++n) {
+            const double x = 320.0 * uniform(random);
+            const double y = 200.0 * uniform(random);
+            const double z = near_m + (far_m - near_m) * uniform(random);
+            const glm::vec4 p = clip * glm::vec4(glm::vec3(z * view.direction(x, y)), 1.0F);
+            EXPECT_NEAR((p.x / p.w + 1.0F) * 160.0F, x, 2e-3);
+            EXPECT_NEAR((p.y / p.w + 1.0F) * 100.0F, y, 2e-3);
+            const double depth = static_cast<double>(p.z) / static_cast<double>(p.w);
+            const double exact = near_m * (far_m - z) / (z * (far_m - near_m));
+            if (far_m < 1e6) {
+                EXPECT_NEAR(depth, exact, 1e-5 * std::max(1.0, near_m / (far_m - near_m)));
+            }
+            EXPECT_NEAR(axis_depth(near_m, far_m, static_cast<float>(exact)), z, 1e-6 * z * std::max(1.0, z / near_m));
+        }
+    }
 }
 
 } // namespace

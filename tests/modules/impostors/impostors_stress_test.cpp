@@ -174,6 +174,74 @@ TEST_F(ImpostorsStress, TeleportResizeRollAndZoom) {
     }
 }
 
+// Plan, capture and draw, the whole way: viewers on the bounding sphere, at the centre, 1e-4 m and 1e7 m away,
+// teleporting from one to the next; fields of view of 1 to 150 degrees; windows of any size, rolled; objects of no size
+// and of 1e15 m; no tolerance; no budget; a Drawable that leaves what is no number.
+TEST_F(ImpostorsStress, TheWholeWayFromAnywhere) {
+    const test::BlobCloud cloud = test::make_blob_cloud(8, 3);
+    const Drawable blobs = test::drawable(cloud);
+    const Drawable broken = [&](const CaptureRequest&, std::span<SlabImage> slabs) -> Status {
+        for (SlabImage& slab : slabs) {
+            std::fill(slab.colour.begin(), slab.colour.end(), glm::vec4(0.5F));
+            slab.colour[slab.colour.size() / 2].y = std::numeric_limits<float>::quiet_NaN();
+            slab.depth[slab.depth.size() / 2].x = std::numeric_limits<float>::infinity();
+        }
+        return Ok{};
+    };
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
+    for (const double budget : {0.0, 4000.0}) {
+        std::vector<SceneObject> objects(4);
+        for (std::size_t i = 0; i < objects.size(); ++i) {
+            objects[i].id = i + 1;
+            objects[i].bounds = cloud.bounds;
+            objects[i].layers = 4;
+            objects[i].representation = static_cast<Representation>(i);
+        }
+        objects[1].bounds = {{0.0, 3.0, 0.0}, 0.0};
+        objects[2].bounds = {{0.0, 3.0, 0.0}, 1e15};
+        objects[3].bounds = {{0.5, 2.0, 0.0}, 0.5};
+        objects[3].tolerance = {0.0, -1.0, 0.0, -1.0, 0.0};
+        SchedulerSettings settings;
+        settings.budget_texels = budget;
+        settings.most_tile = 64;
+        settings.atlas_side = 256;
+        Scheduler scheduler = std::move(Scheduler::create(settings).value());
+        CaptureStore store;
+        Plan plan;
+        int shown = 0;
+        int frame = 0;
+        const glm::dvec3 eyes[] = {{0, -1, 0}, {0, 0, 0}, {0, -1.0001, 0}, {0, -1e7, 0}, {0, -5, 0}, {0.3, -0.9999, 0}};
+        for (int round = 0; round < 4; ++round) {
+            for (const glm::dvec3& eye : eyes) {
+                for (const double fov : {1.0, 60.0, 150.0}) {
+                    const int width = 1 + static_cast<int>(40.0 * uniform(random));
+                    const int height = 1 + static_cast<int>(40.0 * uniform(random));
+                    const glm::dvec3 target = eye == glm::dvec3(0.0) ? glm::dvec3(0, 1, 0) : glm::dvec3(0.0);
+                    const std::vector<SceneView> views{{1, look_at(eye, target, random_direction(random),
+                                                                   fov * std::numbers::pi / 180.0, width, height)}};
+                    for (int still = 0; still < 3; ++still) {
+                        scheduler.plan(objects, views, {}, ++frame / 60.0, plan);
+                        ASSERT_TRUE(store.carry_out(plan, objects, views, {}, scheduler,
+                                                    [&](std::uint64_t id) { return id == 1 ? &blobs : &broken; }));
+                    }
+                    std::vector<glm::vec4> image(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+                    store.draw_view(plan, 0, objects, views, {}, {}, image);
+                    float most = 0.0F;
+                    for (const glm::vec4& t : image) {
+                        ASSERT_TRUE(t.x >= 0.0F && t.x < 100.0F && t.w >= 0.0F && t.w <= 1.0001F);
+                        most = std::max(most, t.w);
+                    }
+                    shown += most > 0.0F;
+                    // From nearby something is always to be seen, also without a budget.
+                    EXPECT_TRUE(most > 0.0F || eye.y < -100.0) << eye.y << " " << fov << " " << width << " " << height;
+                }
+            }
+        }
+        EXPECT_GT(shown, 50);
+    }
+}
+
 TEST_F(ImpostorsStress, BadObjectsAndViews) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const double inf = std::numeric_limits<double>::infinity();

@@ -257,6 +257,83 @@ TEST(Scheduler, TwoCamerasShareWhatServesBoth) {
     EXPECT_LT(scheduler.pictures(), before);
 }
 
+// A smaller window needs nothing new; a larger one gets finer pictures, and shows the old ones until it has them.
+TEST(Scheduler, ResizeOfTheWindow) {
+    World world(20);
+    Scheduler scheduler = make();
+    for (int frame = 0; frame < 60; ++frame) {
+        world.step(scheduler);
+    }
+    const auto resize = [&](int width, int height) {
+        const Frustum& f = world.views[0].frustum;
+        world.views[0].frustum = look_at(f.eye_m, f.eye_m + f.forward, {0, 0, 1}, 0.9, width, height);
+        std::uint32_t captured = 0;
+        for (int frame = 0; frame < 60; ++frame) {
+            const ScheduleReport& report = world.step(scheduler);
+            captured += report.captured;
+            EXPECT_EQ(report.unserved, 0U);
+            EXPECT_EQ(report.degrade_level, 0); // the atlas has room
+            EXPECT_LE(report.texels, scheduler.settings().budget_texels);
+        }
+        EXPECT_EQ(world.step(scheduler).captured, 0U); // comes to rest
+        return captured;
+    };
+    EXPECT_EQ(resize(480, 270), 0U);
+    EXPECT_GE(resize(1920, 1080), 15U);
+    EXPECT_EQ(resize(960, 540), 0U);
+}
+
+// Rolling the camera about its axis changes nothing that a picture could show.
+TEST(Scheduler, CameraRollNeedsNoCapture) {
+    World world(1);
+    world.objects[0].bounds = {{0, 4000, 800}, 150.0}; // in the middle of the view
+    Scheduler scheduler = make();
+    for (int frame = 0; frame < 30; ++frame) {
+        world.step(scheduler);
+    }
+    const Frustum level = world.views[0].frustum;
+    for (int frame = 1; frame < 90; ++frame) {
+        const double angle = 0.07 * frame;
+        Frustum& f = world.views[0].frustum;
+        f.right = std::cos(angle) * level.right + std::sin(angle) * level.up;
+        f.up = std::cos(angle) * level.up - std::sin(angle) * level.right;
+        EXPECT_EQ(world.step(scheduler).captured, 0U) << frame;
+        EXPECT_EQ(world.plan.report.seen, 1U);
+    }
+}
+
+// The viewer inside: a quarter of the resolution each way until it is known what that loses, then as coarse as its
+// error allows.
+TEST(Scheduler, InsideAsCoarseAsItsErrorAllows) {
+    World world(1);
+    world.objects[0].bounds = {{0, 0, 500}, 300.0};
+    SchedulerSettings settings;
+    settings.budget_texels = 2e6; // the budget, too, can make it coarser
+    Scheduler scheduler = make(settings);
+    world.step(scheduler);
+    ASSERT_EQ(world.plan.inside.size(), 1U);
+    EXPECT_EQ(world.plan.inside[0].downscale, 4.0);
+    EXPECT_EQ(world.plan.inside[0].frustum.width, 240);
+    EXPECT_EQ(world.plan.inside[0].frustum.height, 135);
+    double last = 100.0;
+    for (const double loss : {1e-5, 1e-3, 1e-2, 1.0}) { // of the picture as it was taken
+        Sensitivity sensitivity;
+        sensitivity.resample = loss;
+        scheduler.measured_inside(world.objects[0].id, 1, sensitivity, 4.0);
+        world.fly({0.5, 0.0, 0.0});
+        world.step(scheduler);
+        ASSERT_EQ(world.plan.inside.size(), 1U);
+        const double downscale = world.plan.inside[0].downscale;
+        EXPECT_LE(downscale, last) << loss;
+        // Its blur grows with the square of the texel.
+        EXPECT_TRUE(downscale == 1.0 ||
+                    loss * downscale * downscale / 16.0 <= scheduler.settings().inside_error * (1.0 + 1e-9))
+            << loss;
+        last = downscale;
+    }
+    EXPECT_EQ(last, 1.0);
+}
+
 TEST(Scheduler, ObjectsThatLeaveGiveUpTheirPictures) {
     World world(50);
     Scheduler scheduler = make();
