@@ -113,6 +113,41 @@ PictureMesh picture_mesh(const clouds::Picture& picture, const impostors::Frustu
     return make_mesh(view, view.eye_m, true, depth, [&](std::size_t i) { return picture.transmittance[i] < 0.998F; });
 }
 
+PictureMesh mean_depth_mesh(const clouds::Picture& picture, const impostors::Frustum& view, double least_m) {
+    const int across = nodes(view.width);
+    const int down = nodes(view.height);
+    const auto cells_across = static_cast<std::size_t>(across - 1);
+    const std::size_t cells = cells_across * static_cast<std::size_t>(down - 1);
+    // Inverse depths by cell, weighted by what is seen; then of the four cells around each node.
+    std::vector<glm::dvec2> sum(cells, glm::dvec2(0.0));
+    for (int y = 0; y < view.height; ++y) {
+        for (int x = 0; x < view.width; ++x) {
+            const auto i = static_cast<std::size_t>(y * view.width + x);
+            const auto alpha = static_cast<double>(1.0F - picture.transmittance[i]);
+            if (alpha > 0.0 && picture.depth_m[i] > 0.0F) {
+                const double z =
+                    static_cast<double>(picture.depth_m[i]) / glm::length(view.direction(x + 0.5, y + 0.5));
+                sum[static_cast<std::size_t>(y / kMeshCell) * cells_across + static_cast<std::size_t>(x / kMeshCell)] +=
+                    glm::dvec2(alpha / std::max(z, 2.0), alpha);
+            }
+        }
+    }
+    glm::dvec2 whole(1e-9 / 500.0, 1e-9);
+    for (const glm::dvec2& cell : sum) {
+        whole += cell;
+    }
+    const auto depth = [&](int i, int j) {
+        glm::dvec2 near = 1e-3 * whole / whole.y; // where nothing is, as the rest
+        for (int b = std::max(0, j - 1); b <= std::min(j, down - 2); ++b) {
+            for (int a = std::max(0, i - 1); a <= std::min(i, across - 2); ++a) {
+                near += sum[static_cast<std::size_t>(b) * cells_across + static_cast<std::size_t>(a)];
+            }
+        }
+        return std::max(near.y / near.x, least_m);
+    };
+    return make_mesh(view, view.eye_m, true, depth, [&](std::size_t i) { return picture.transmittance[i] < 0.998F; });
+}
+
 glm::vec2 texel_in(const impostors::Frustum& view, const glm::dvec3& place_m) {
     const glm::dvec3 v = place_m - view.eye_m;
     const double z = std::max(glm::dot(v, view.forward), 1e-6 * glm::length(v));

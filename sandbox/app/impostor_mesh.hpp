@@ -32,6 +32,12 @@ struct PictureMesh {
 // The same of clouds marched directly: nodes at the least depth around them, so that nothing near is lost in the rough.
 [[nodiscard]] PictureMesh picture_mesh(const clouds::Picture& picture, const impostors::Frustum& view);
 
+// For pictures that are used again: nodes at the mean depth around them, as what is seen moves on the screen, but no
+// nearer than `least_m`: the fog next to the eye has nothing that could be seen to move, and would tear the mesh off
+// the view's rim.
+[[nodiscard]] PictureMesh mean_depth_mesh(const clouds::Picture& picture, const impostors::Frustum& view,
+                                          double least_m);
+
 // Where another picture shows a place, in its texels; clamped to its rim, which is transparent.
 [[nodiscard]] glm::vec2 texel_in(const impostors::Frustum& view, const glm::dvec3& place_m);
 

@@ -28,9 +28,13 @@ constexpr float kUsual_m = 620.0F;
 constexpr float kExtinction_per_m = 0.12F; // of a cloud of this size; others are as thick
 constexpr float kDetailCells = 1.6F;       // of the texture a voxel
 constexpr int kAtlasSide = 2048;
-constexpr int kLeastStrip = 512; // rows below the atlas, for what is drawn anew in every frame
+constexpr int kStrip = 1024;         // rows below the atlas, for screen-aligned pictures; below them the direct one
+constexpr double kAround = 1.3;      // radii: clouds so near are marched by themselves
+constexpr double kMargin = 0.08;     // of the view, where pictures are taken before they are seen
+constexpr double kInsideShare = 0.6; // of the budget
+constexpr double kLead = 10.0;       // frames before a cloud is entered
+constexpr double kSpread = 3.0;
 constexpr int kDividedLayers = 3;
-constexpr double kInsideDownscale = 3.0;
 constexpr double kOneCut_m = 120.0;
 constexpr double kTouch_m = 60.0; // a craft this near to a cloud's box asks for layers
 constexpr float kEncodeAgain = 0.02F;
@@ -47,7 +51,7 @@ impostors::SchedulerSettings scheduler_settings(const ImpostorSettings& settings
     s.most_tile = 256;
     s.inside_full = 1.05;
     s.inside_start = 1.12;
-    s.inside_downscale = kInsideDownscale;
+    s.spread_frames = kSpread;
     return s;
 }
 
@@ -268,96 +272,73 @@ void ImpostorScene::add_tile(const impostors::Capture& picture, std::size_t laye
         {at.x, at.y, base.width, base.height, base.colour, impostors::light_gain(picture.lights, now).key});
 }
 
-// Takes the pictures that the plan asks for, and notes what has to be uploaded.
-void ImpostorScene::capture(Stage& stage) {
-    ImpostorFrame& f = registry_.ctx().get<ImpostorFrame>();
-    SystemReport report{.system = "captures"};
-    const double cpu = process_cpu_seconds();
-    std::unordered_map<std::uint64_t, impostors::Drawable> drawables;
-    const auto drawable = [&](std::uint64_t id) -> const impostors::Drawable* {
-        const auto found = cloud_of_id_.find(id);
-        if (found == cloud_of_id_.end()) {
-            return nullptr;
-        }
-        const Cloud& cloud = clouds_[found->second];
-        const CloudLight& light = registry_.get<CloudLight>(kinds_[cloud.kind].entity);
-        if (light.lighting == nullptr) {
-            return nullptr;
-        }
-        CloudSubject subject;
-        subject.volume = kinds_[cloud.kind].volume.get();
-        subject.lighting = light.lighting.get();
-        subject.offset_m = cloud.offset_m;
-        subject.march = march_settings();
-        return &(drawables[id] = cloud_drawable(subject));
-    };
-    impostors::Plan plan = f.plan; // screen-aligned pictures are this part's own: see march_inside
-    plan.inside.clear();
-    static_cast<void>(store_.carry_out(plan, f.objects, f.views, f.lights, f.scheduler, drawable));
-    for (const impostors::SlotId slot : f.plan.released) {
-        pictures_.erase(slot);
+std::optional<CloudSubject> ImpostorScene::subject_of(std::uint64_t object) const {
+    const auto found = cloud_of_id_.find(object);
+    if (found == cloud_of_id_.end()) {
+        return std::nullopt;
     }
-    const float exposure = stage.drawn.exposure;
-    for (const impostors::CaptureJob& job : f.plan.captures) {
-        const impostors::Capture* taken = store_.find(job.slot);
-        if (taken == nullptr) {
-            continue;
-        }
-        Picture& picture = pictures_[job.slot];
-        picture.tiles = job.tiles;
-        picture.layers.clear();
-        for (std::size_t k = 0; k < taken->layers.size(); ++k) {
-            picture.layers.push_back(picture_mesh(*taken, k, taken->bounds.centre_m));
-            add_tile(*taken, k, {job.tiles[k].x, job.tiles[k].y});
-        }
-        picture.encoded_gain = gain_now(*taken, exposure);
-        report.updated += 1;
+    const Cloud& cloud = clouds_[found->second];
+    const CloudLight& light = registry_.get<CloudLight>(kinds_[cloud.kind].entity);
+    if (light.lighting == nullptr) {
+        return std::nullopt;
     }
-    // Screen-aligned pictures lie in the strip below the atlas. What flies in the cloud ends their rays.
-    strip_x_ = 0;
-    std::unordered_map<std::uint64_t, InsidePicture> kept;
+    CloudSubject subject;
+    subject.volume = kinds_[cloud.kind].volume.get();
+    subject.lighting = light.lighting.get();
+    subject.offset_m = cloud.offset_m;
+    subject.march = march_settings();
+    return subject;
+}
+
+// Screen-aligned pictures of the clouds that the viewer is in, or will be in soon.
+void ImpostorScene::capture_inside(Stage& stage, std::vector<std::uint64_t>& taken) {
+    const ImpostorFrame& f = registry_.ctx().get<ImpostorFrame>();
+    const impostors::Frustum view = camera_view();
+    std::vector<InsidePictures::Wanted> wanted;
     for (const impostors::DrawItem& item : f.plan.draws) {
-        if (item.impostor_weight >= 1.0F) {
-            continue;
+        const impostors::SceneObject& object = f.objects[item.object];
+        const double nearest = item.distance_m - f.scheduler.settings().inside_start * object.bounds.radius_m;
+        if (nearest < kLead * motion_m_) {
+            wanted.push_back({object.id, object.content, item.impostor_weight <= 0.0F});
         }
-        const std::uint64_t id = f.objects[item.object].id;
-        const bool anew = std::any_of(f.plan.inside.begin(), f.plan.inside.end(),
-                                      [&](const impostors::InsideJob& job) { return job.object == item.object; });
-        const auto old = inside_.find(id);
-        InsidePicture picture;
-        if (!anew && old != inside_.end() && old->second.tile.x == strip_x_) {
-            picture = std::move(old->second);
-        } else {
-            const impostors::Frustum view = impostors::screen_aligned(f.views[item.view].frustum, kInsideDownscale);
-            if (strip_x_ + view.width > data_.atlas_width || view.height > kLeastStrip) {
-                continue; // no room: the tight picture must do
-            }
-            picture.tile = {strip_x_, kAtlasSide};
-            march_inside(cloud_of_id_.at(id), view, picture);
-            inside_changed_.push_back(id);
-            report.updated += 1;
+    }
+    const auto scene_depth = [&](const impostors::Frustum& then, int frames, std::vector<float>& depth_m) {
+        if (craft_.empty()) {
+            return;
         }
-        strip_x_ += picture.width;
-        kept.emplace(id, std::move(picture));
+        std::vector<ColorVertex> triangles; // where they will be
+        for (const Craft& craft :
+             squadron_at(path_, settings_.craft, time_s_ + static_cast<double>(frames) * stage.world_dt_s)) {
+            append_craft(craft, {}, triangles);
+        }
+        draw_depth(triangles, then, depth_m);
+    };
+    inside_units_ = inside_.update(
+        wanted, view, {0, kAtlasSide, data_.atlas_width, kStrip}, kInsideShare * settings_.budget_texels,
+        [&](std::uint64_t object) { return subject_of(object); }, scene_depth, taken);
+    for (const std::uint64_t id : taken) {
+        InsidePictures::Key& key = *inside_.find(id)->to;
+        tiles_.push_back({key.tile.x, key.tile.y, key.view.width, key.view.height, key.texels, glm::vec3(1.0F)});
+        key.encoded_gain = stage.drawn.exposure;
     }
-    inside_ = std::move(kept);
-    for (const std::uint64_t id : inside_changed_) {
-        const InsidePicture& picture = inside_.at(id);
-        tiles_.push_back(
-            {picture.tile.x, picture.tile.y, picture.width, picture.height, picture.texels, glm::vec3(1.0F)});
-    }
-    inside_changed_.clear();
-    // The exposure has moved on: pictures are encoded anew from what is kept of them.
+}
+
+// Where the exposure has moved on, pictures are encoded anew from what is kept of them.
+void ImpostorScene::encode_again(float exposure) {
+    const ImpostorFrame& f = registry_.ctx().get<ImpostorFrame>();
     int again = 0;
+    const auto moved = [&](float now, float before) {
+        return std::abs(now / std::max(before, 1e-30F) - 1.0F) > kEncodeAgain;
+    };
     for (const impostors::DrawItem& item : f.plan.draws) {
         for (const impostors::SlotId slot : {item.slot, item.before}) {
             const auto found = pictures_.find(slot);
-            const impostors::Capture* taken = store_.find(slot);
+            const impostors::Capture* taken = queue_.find(slot);
             if (found == pictures_.end() || taken == nullptr || again >= kEncodedAgainAFrame) {
                 continue;
             }
             const float now = gain_now(*taken, exposure);
-            if (std::abs(now / std::max(found->second.encoded_gain, 1e-30F) - 1.0F) > kEncodeAgain) {
+            if (moved(now, found->second.encoded_gain)) {
                 for (std::size_t k = 0; k < taken->layers.size(); ++k) {
                     add_tile(*taken, k, {found->second.tiles[k].x, found->second.tiles[k].y});
                 }
@@ -365,16 +346,60 @@ void ImpostorScene::capture(Stage& stage) {
                 ++again;
             }
         }
+        InsidePictures::Cloud* inside = inside_.find(f.objects[item.object].id);
+        if (inside == nullptr) {
+            continue;
+        }
+        for (std::optional<InsidePictures::Key>* key : {&inside->from, &inside->to}) {
+            if (*key && moved(exposure, (*key)->encoded_gain)) {
+                tiles_.push_back({(*key)->tile.x, (*key)->tile.y, (*key)->view.width, (*key)->view.height,
+                                  (*key)->texels, glm::vec3(1.0F)});
+                (*key)->encoded_gain = exposure;
+            }
+        }
     }
+}
+
+// Works on the pictures that plans have asked for, within the frame's budget, and notes what has to be uploaded.
+void ImpostorScene::capture(Stage& stage) {
+    ImpostorFrame& f = registry_.ctx().get<ImpostorFrame>();
+    SystemReport report{.system = "captures"};
+    const double cpu = process_cpu_seconds();
+    for (const impostors::SlotId slot : f.plan.released) {
+        pictures_.erase(slot);
+        queue_.drop(slot);
+    }
+    for (const impostors::CaptureJob& job : f.plan.captures) {
+        queue_.add(job, f.objects[job.object].id, f.objects[job.object].bounds);
+    }
+    std::vector<std::uint64_t> inside_taken;
+    capture_inside(stage, inside_taken);
+    const double budget = settings_.budget_texels;
+    done_.clear();
+    units_ = inside_units_ + queue_.work(
+                                 std::max(budget - inside_units_, 0.25 * budget),
+                                 [&](std::uint64_t object) { return subject_of(object); }, f.scheduler, done_);
+    for (const impostors::CaptureJob& job : done_) {
+        const impostors::Capture& taken = *queue_.find(job.slot);
+        Picture& picture = pictures_[job.slot];
+        picture.tiles = job.tiles;
+        picture.layers.clear();
+        for (std::size_t k = 0; k < taken.layers.size(); ++k) {
+            picture.layers.push_back(picture_mesh(taken, k, taken.bounds.centre_m));
+            add_tile(taken, k, {job.tiles[k].x, job.tiles[k].y});
+        }
+        picture.encoded_gain = gain_now(taken, stage.drawn.exposure);
+        picture.since_s = f.now_s;
+    }
+    encode_again(stage.drawn.exposure);
+    taken_ = static_cast<std::uint32_t>(done_.size() + inside_taken.size());
     capture_ms_ = (process_cpu_seconds() - cpu) * 1e3;
     report.considered = f.plan.report.seen;
+    report.updated = taken_;
     report.skipped = report.considered - std::min(report.considered, report.updated);
     report.cpu_ms = capture_ms_;
+    report.error_bound = budget > 0.0 ? units_ / budget : 0.0;
     stage.reports.push_back(report);
-    if (f.plan.report.inside > 0) {
-        stage.reports.push_back(
-            {.system = "captures_inside", .considered = f.plan.report.inside, .updated = f.plan.report.inside});
-    }
 }
 
 void ImpostorScene::add_item(const impostors::DrawItem& item, const impostors::SceneView& view) {
@@ -435,31 +460,49 @@ void ImpostorScene::add_item(const impostors::DrawItem& item, const impostors::S
     };
     const auto now = pictures_.find(item.slot);
     const auto before = pictures_.find(item.before);
-    const impostors::Capture* taken = store_.find(item.slot);
-    const impostors::Capture* taken_before = store_.find(item.before);
-    const auto in = inside_.find(f.objects[item.object].id);
-    const bool has_inside = item.impostor_weight < 1.0F && in != inside_.end();
-    const bool has_tight = item.impostor_weight > 0.0F && taken != nullptr && now != pictures_.end();
-    if (has_tight && !(has_inside && taken->layers.size() == 1)) {
+    const impostors::Capture* taken = queue_.find(item.slot);
+    const impostors::Capture* taken_before = queue_.find(item.before);
+    const InsidePictures::Cloud* in = inside_.find(f.objects[item.object].id);
+    const bool has_inside = item.impostor_weight < 1.0F && in != nullptr && in->to;
+    const bool has_tight = taken != nullptr && now != pictures_.end();
+    const float tight_weight = has_inside ? item.impostor_weight : 1.0F;
+    if (has_tight && tight_weight > 0.0F && !(has_inside && taken->layers.size() == 1)) {
         for (std::size_t k = taken->layers.size(); k-- > 0;) {
             Fade fade;
+            float weight = tight_weight;
             if (taken_before != nullptr && before != pictures_.end() &&
                 taken_before->layers.size() == taken->layers.size()) {
                 fade = {&taken_before->view, corner(before->second.tiles[k]), item.weight};
+            } else { // out of nothing
+                weight *= static_cast<float>(
+                    std::clamp((f.now_s - now->second.since_s) / f.scheduler.settings().fade_s, 0.1, 1.0));
             }
-            add_layers(*taken, k, now->second.layers[k], corner(now->second.tiles[k]),
-                       has_inside ? item.impostor_weight : 1.0F, fade);
+            add_layers(*taken, k, now->second.layers[k], corner(now->second.tiles[k]), weight, fade);
+        }
+    } else if (!has_tight && taken_before != nullptr && before != pictures_.end()) { // the new one is in the making
+        for (std::size_t k = taken_before->layers.size(); k-- > 0;) {
+            add_layers(*taken_before, k, before->second.layers[k], corner(before->second.tiles[k]), tight_weight, {});
         }
     }
     if (has_inside) {
         Fade fade;
         float weight = 1.0F;
-        if (has_tight && taken->layers.size() == 1) {
-            fade = {&taken->view, corner(now->second.tiles[0]), 1.0F - item.impostor_weight};
-        } else if (has_tight) {
-            weight = 1.0F - item.impostor_weight;
+        if (tight_weight > 0.0F && has_tight && taken->layers.size() == 1) {
+            fade = {&taken->view, corner(now->second.tiles[0]), 1.0F - tight_weight};
+        } else if (tight_weight > 0.0F && (has_tight || taken_before != nullptr)) {
+            weight = 1.0F - tight_weight;
+        } else if (in->from && in->weight < 1.0F) {
+            fade = {&in->from->view, glm::vec2(in->from->tile), in->weight};
         }
-        builder_.add(in->second.mesh, glm::vec2(in->second.tile), weight, fade, nullptr);
+        // Its rays end at the craft: it goes in front of all of them.
+        DepthPart part{view.frustum.eye_m, view.frustum.forward};
+        for (const Craft& craft : craft_) {
+            const double z = glm::dot(craft.position_m - view.frustum.eye_m, view.frustum.forward);
+            if (z > 0.0) {
+                part.far_m = std::min(part.far_m, std::max(z - static_cast<double>(craft.radius_m), 1.5));
+            }
+        }
+        builder_.add(in->to->mesh, glm::vec2(in->to->tile), weight, fade, craft_.empty() ? nullptr : &part);
     }
 }
 
@@ -471,25 +514,6 @@ clouds::MarchSettings ImpostorScene::march_settings() const {
         settings.detail_cells = kDetailCells;
     }
     return settings;
-}
-
-void ImpostorScene::march_inside(std::size_t index, const impostors::Frustum& view, InsidePicture& picture) const {
-    const Cloud& cloud = clouds_[index];
-    const CloudLight& light = registry_.get<CloudLight>(kinds_[cloud.kind].entity);
-    picture.width = view.width;
-    picture.height = view.height;
-    std::vector<float> distance(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height), 1e30F);
-    draw_depth(craft_triangles_, view, distance);
-    clouds::MarchSettings settings = march_settings();
-    settings.scene_depth_m = distance;
-    settings.optical_step = 0.25F; // as the picture is coarser anyway
-    const clouds::Picture marched =
-        clouds::march(*kinds_[cloud.kind].volume, *light.lighting, cloud_camera(view, cloud.offset_m), settings);
-    picture.texels.resize(distance.size());
-    for (std::size_t i = 0; i < distance.size(); ++i) {
-        picture.texels[i] = glm::vec4(marched.radiance[i], 1.0F - marched.transmittance[i]);
-    }
-    picture.mesh = picture_mesh(marched, view);
 }
 
 void ImpostorScene::build(const Stage& stage) {
@@ -513,9 +537,15 @@ void ImpostorScene::build(const Stage& stage) {
         mix_real(static_cast<double>(item.weight));
     }
     mix(data_.craft_revision);
-    mix(f.plan.inside.size());
+    for (const impostors::DrawItem& item : f.plan.draws) {
+        const InsidePictures::Cloud* inside = inside_.find(f.objects[item.object].id);
+        mix_real(inside != nullptr ? static_cast<double>(inside->weight) : 2.0);
+        const auto found = pictures_.find(item.slot);
+        mix_real(found == pictures_.end() ? -1.0
+                                          : std::min(f.now_s - found->second.since_s, f.scheduler.settings().fade_s));
+    }
     mix(settings_.outlines ? 1U : 0U);
-    if (state == drawn_state_ && f.plan.captures.empty() && f.plan.inside.empty()) {
+    if (state == drawn_state_ && taken_ == 0) {
         return;
     }
     drawn_state_ = state;
@@ -538,11 +568,11 @@ void ImpostorScene::build_outlines() {
     if (settings_.outlines) {
         const ImpostorFrame& f = registry_.ctx().get<ImpostorFrame>();
         for (const impostors::DrawItem& item : f.plan.draws) {
-            const impostors::Capture* taken = store_.find(item.slot);
+            const impostors::Capture* taken = queue_.find(item.slot);
             if (taken == nullptr || item.impostor_weight <= 0.0F) {
                 continue;
             }
-            const bool fresh = std::any_of(f.plan.captures.begin(), f.plan.captures.end(),
+            const bool fresh = std::any_of(done_.begin(), done_.end(),
                                            [&](const impostors::CaptureJob& job) { return job.slot == item.slot; });
             const glm::vec4 colour = fresh                               ? glm::vec4(1.0F, 0.05F, 0.02F, 1.0F)
                                      : item.before != impostors::no_slot ? glm::vec4(0.9F, 0.7F, 0.02F, 1.0F)
@@ -576,14 +606,17 @@ void ImpostorScene::update(Stage& stage) {
     view.forward = glm::normalize(glm::dvec3(camera.forward()));
     view.right = glm::normalize(glm::cross(view.forward, glm::dvec3(0.0, 0.0, 1.0)));
     view.up = glm::cross(view.right, view.forward);
-    const double tangent = std::tan(0.5 * static_cast<double>(camera.fov_y_rad));
-    const double aspect = static_cast<double>(stage.width) / stage.height;
-    view.tan_left = -tangent * aspect;
-    view.tan_right = tangent * aspect;
-    view.tan_bottom = -tangent;
-    view.tan_top = tangent;
-    view.width_px = stage.width;
-    view.height_px = stage.height;
+    const impostors::Frustum wide = impostors::screen_aligned(camera_view(), 1.0, kMargin);
+    view.tan_left = wide.tan_left;
+    view.tan_right = wide.tan_right;
+    view.tan_bottom = wide.tan_bottom;
+    view.tan_top = wide.tan_top;
+    view.width_px = wide.width;
+    view.height_px = wide.height;
+    motion_m_ = frames_ > 0 ? glm::length(view.eye_m - eye_before_m_) : 0.0;
+    motion_m_ = motion_m_ < 40.0 ? motion_m_ : 0.0; // not a flight
+    eye_before_m_ = view.eye_m;
+    ++frames_;
     const SkyState& sky = registry_.get<SkyState>(stage.sky);
     const bool by_sun = sky.sun_illuminance_lux.g >= sky.moon_illuminance_lux.g;
     ImpostorLight& light = registry_.get<ImpostorLight>(light_);
@@ -591,13 +624,14 @@ void ImpostorScene::update(Stage& stage) {
     light.key_lux = glm::max(by_sun ? sky.sun_illuminance_lux : sky.moon_illuminance_lux, glm::vec3(1e-6F));
 
     const int width = std::max(kAtlasSide, stage.width);
-    const int height = kAtlasSide + std::max(kLeastStrip, stage.height);
+    const int height = kAtlasSide + kStrip + 2 * stage.height;
     if (width != data_.atlas_width || height != data_.atlas_height) { // a new atlas: all pictures again
         data_.atlas_width = width;
         data_.atlas_height = height;
         for (auto& [slot, picture] : pictures_) {
             picture.encoded_gain = 0.0F;
         }
+        inside_.clear(); // views of another size
     }
     tiles_.clear();
     if (settings_.direct) {
@@ -605,15 +639,18 @@ void ImpostorScene::update(Stage& stage) {
         return;
     }
     ImpostorFrame& f = registry_.ctx().get<ImpostorFrame>();
-    f.scheduler.set_budget(settings_.budget_texels);
+    f.scheduler.set_budget(std::max(settings_.budget_texels - inside_units_, 0.25 * settings_.budget_texels));
+    f.scheduler.set_backlog(queue_.left());
     stage.reports.push_back(update_impostors(registry_, stage.frame));
     schedule_ = f.plan.report;
     cloud_of_id_.clear();
     for (std::size_t i = 0; i < clouds_.size(); ++i) {
         cloud_of_id_[registry_.get<ImpostorState>(clouds_[i].entity).id] = i;
     }
-    reuse_ += 0.05 * (static_cast<double>(schedule_.reused) / std::max(1U, schedule_.seen) - reuse_);
     capture(stage);
+    schedule_.captured = taken_;
+    schedule_.reused = schedule_.seen - std::min(schedule_.seen, taken_);
+    reuse_ += 0.05 * (static_cast<double>(schedule_.reused) / std::max(1U, schedule_.seen) - reuse_);
     if (!tiles_.empty()) {
         data_.tiles_revision = next_revision();
     }
@@ -635,11 +672,17 @@ bool ImpostorScene::show_reference(bool reference) {
     return true;
 }
 
-std::vector<std::size_t> ImpostorScene::visible_clouds(const Stage& stage) const {
-    std::vector<std::size_t> seen;
+impostors::Frustum ImpostorScene::camera_view() const {
     const ImpostorView& v = registry_.get<ImpostorView>(view_);
-    const impostors::Frustum frustum{v.eye_m,     v.right,      v.up,      v.forward,   v.tan_left,
-                                     v.tan_right, v.tan_bottom, v.tan_top, stage.width, stage.height};
+    const double tangent = std::tan(0.5 * static_cast<double>(stage_.camera.fov_y_rad));
+    const double aspect = static_cast<double>(stage_.width) / stage_.height;
+    return {v.eye_m,          v.right,  v.up,    v.forward,    -tangent * aspect,
+            tangent * aspect, -tangent, tangent, stage_.width, stage_.height};
+}
+
+std::vector<std::size_t> ImpostorScene::visible_clouds() const {
+    std::vector<std::size_t> seen;
+    const impostors::Frustum frustum = camera_view();
     for (std::size_t i = 0; i < clouds_.size(); ++i) {
         if (!impostors::visible_rect({clouds_[i].centre_m, clouds_[i].radius_m}, frustum).empty()) {
             seen.push_back(i);
@@ -651,31 +694,40 @@ std::vector<std::size_t> ImpostorScene::visible_clouds(const Stage& stage) const
 void ImpostorScene::show_direct(Stage& stage) {
     SystemReport report{.system = "direct_march"};
     const double cpu = process_cpu_seconds();
-    const ImpostorView& v = registry_.get<ImpostorView>(view_);
-    const impostors::Frustum frustum{v.eye_m,     v.right,      v.up,      v.forward,   v.tan_left,
-                                     v.tan_right, v.tan_bottom, v.tan_top, stage.width, stage.height};
-    std::vector<clouds::LitCloud> lit;
-    for (const std::size_t i : visible_clouds(stage)) {
-        const Kind& kind = kinds_[clouds_[i].kind];
-        const CloudLight& light = registry_.get<CloudLight>(kind.entity);
-        if (light.lighting != nullptr) {
-            lit.push_back({kind.volume.get(), light.lighting.get(), clouds_[i].offset_m});
-        }
-    }
+    const impostors::Frustum frustum = camera_view();
     std::vector<float> distance(static_cast<std::size_t>(stage.width) * static_cast<std::size_t>(stage.height), 1e30F);
     draw_depth(craft_triangles_, frustum, distance);
     clouds::MarchSettings settings = march_settings();
     settings.scene_depth_m = distance;
-    const clouds::Picture picture = clouds::march(lit, cloud_camera(frustum), settings);
-    direct_texels_.resize(distance.size());
-    for (std::size_t i = 0; i < distance.size(); ++i) {
-        direct_texels_[i] = glm::vec4(picture.radiance[i], 1.0F - picture.transmittance[i]);
-    }
     direct_builder_.clear();
-    const glm::vec2 corner(0.0F, static_cast<float>(kAtlasSide));
-    direct_builder_.add(picture_mesh(picture, frustum), corner, 1.0F, {}, nullptr);
     direct_tiles_ = tiles_;
-    direct_tiles_.push_back({0, kAtlasSide, stage.width, stage.height, direct_texels_, glm::vec3(1.0F)});
+    // Those that the viewer is in by themselves: the air before them is not that before the clouds behind.
+    for (const bool around : {false, true}) {
+        std::vector<clouds::LitCloud> lit;
+        for (const std::size_t i : visible_clouds()) {
+            const Cloud& cloud = clouds_[i];
+            const Kind& kind = kinds_[cloud.kind];
+            const CloudLight& light = registry_.get<CloudLight>(kind.entity);
+            if (light.lighting != nullptr &&
+                (glm::length(cloud.centre_m - frustum.eye_m) < kAround * cloud.radius_m) == around) {
+                lit.push_back({kind.volume.get(), light.lighting.get(), cloud.offset_m});
+            }
+        }
+        if (lit.empty()) {
+            continue;
+        }
+        report.updated += static_cast<std::uint32_t>(lit.size());
+        const clouds::Picture picture = clouds::march(lit, cloud_camera(frustum), settings);
+        std::vector<glm::vec4>& texels = direct_texels_[around ? 1 : 0];
+        texels.resize(distance.size());
+        for (std::size_t i = 0; i < distance.size(); ++i) {
+            texels[i] = glm::vec4(picture.radiance[i], 1.0F - picture.transmittance[i]);
+        }
+        const int top = kAtlasSide + kStrip + (around ? stage.height : 0);
+        direct_builder_.add(picture_mesh(picture, frustum), glm::vec2(0.0F, static_cast<float>(top)), 1.0F, {},
+                            nullptr);
+        direct_tiles_.push_back({0, top, stage.width, stage.height, texels, glm::vec3(1.0F)});
+    }
     direct_data_ = data_;
     direct_data_.tiles = direct_tiles_;
     direct_data_.tiles_revision = next_revision();
@@ -688,7 +740,6 @@ void ImpostorScene::show_direct(Stage& stage) {
     direct_data_.outlines_revision = next_revision();
     stage.drawn.impostors = &direct_data_;
     report.considered = static_cast<std::uint32_t>(clouds_.size());
-    report.updated = static_cast<std::uint32_t>(lit.size());
     report.cpu_ms = (process_cpu_seconds() - cpu) * 1e3;
     stage.reports.push_back(report);
 }

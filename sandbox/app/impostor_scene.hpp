@@ -2,8 +2,10 @@
 // them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -14,10 +16,11 @@
 #include <alpenglow/clouds/march.hpp>
 #include <alpenglow/clouds/view.hpp>
 #include <alpenglow/components/cloud.hpp>
-#include <alpenglow/impostors/store.hpp>
 #include <alpenglow/systems/impostors.hpp>
 
+#include "sandbox/app/impostor_inside.hpp"
 #include "sandbox/app/impostor_mesh.hpp"
+#include "sandbox/app/impostor_work.hpp"
 #include "sandbox/app/part.hpp"
 #include "sandbox/app/squadron.hpp"
 #include "sandbox/scene/impostor_settings.hpp"
@@ -43,6 +46,9 @@ public:
 
     [[nodiscard]] const impostors::ScheduleReport& schedule() const { return schedule_; }
     [[nodiscard]] double capture_ms() const { return capture_ms_; }
+    // Work on pictures in this frame, in units of a texel (impostor_work.hpp), and how many were completed.
+    [[nodiscard]] double capture_units() const { return units_; }
+    [[nodiscard]] std::uint32_t taken() const { return taken_; }
 
 private:
     using Entity = BasicRegistry::entity_type;
@@ -65,27 +71,24 @@ private:
         std::vector<impostors::AtlasTile> tiles;
         std::vector<PictureMesh> layers;
         float encoded_gain = 0.0F;
+        double since_s = 0.0;
     };
-    struct InsidePicture { // screen-aligned, of a cloud that the viewer is in
-        glm::ivec2 tile{0};
-        int width = 0, height = 0;
-        std::vector<glm::vec4> texels;
-        PictureMesh mesh;
-    };
-    void march_inside(std::size_t cloud, const impostors::Frustum& view, InsidePicture& picture) const;
-
     void show_direct(Stage& stage);
     [[nodiscard]] clouds::MarchSettings march_settings() const;
     void add_clouds(BasicRegistry& registry);
     void update_kinds(Stage& stage);
     void update_craft(Stage& stage);
     void capture(Stage& stage);
+    void capture_inside(Stage& stage, std::vector<std::uint64_t>& taken);
+    void encode_again(float exposure);
+    [[nodiscard]] std::optional<CloudSubject> subject_of(std::uint64_t object) const;
+    [[nodiscard]] impostors::Frustum camera_view() const;
     void build(const Stage& stage);
     void build_outlines();
     void add_item(const impostors::DrawItem& item, const impostors::SceneView& view);
     [[nodiscard]] float gain_now(const impostors::Capture& picture, float exposure) const;
     void add_tile(const impostors::Capture& picture, std::size_t layer, const glm::ivec2& at);
-    [[nodiscard]] std::vector<std::size_t> visible_clouds(const Stage& stage) const;
+    [[nodiscard]] std::vector<std::size_t> visible_clouds() const;
 
     Stage& stage_;
     ImpostorSettings settings_;
@@ -101,12 +104,17 @@ private:
     double time_s_ = 9.0; // along the path: they are about to enter a cloud
     bool lit_ = false;    // the first light is baked at once
 
-    impostors::CaptureStore store_;
+    CaptureQueue queue_;
+    InsidePictures inside_;
+    double inside_units_ = 0.0, units_ = 0.0; // of work, this frame
+    std::uint32_t taken_ = 0;                 // pictures that were completed
+    std::vector<impostors::CaptureJob> done_;
     std::unordered_map<impostors::SlotId, Picture> pictures_;
-    std::unordered_map<std::uint64_t, InsidePicture> inside_; // by cloud
-    std::vector<std::uint64_t> inside_changed_;
     impostors::ScheduleReport schedule_;
     double capture_ms_ = 0.0;
+    glm::dvec3 eye_before_m_{0.0};
+    double motion_m_ = 0.0; // of the eye, a frame
+    int frames_ = 0;
     double reuse_ = 1.0;   // smoothed
     double psnr_db_ = 0.0; // of the last comparison
 
@@ -114,8 +122,7 @@ private:
     std::vector<ImpostorTile> tiles_, direct_tiles_;
     MeshBuilder builder_, direct_builder_;
     std::vector<ColorVertex> craft_triangles_, outline_vertices_;
-    std::vector<glm::vec4> direct_texels_;
-    int strip_x_ = 0; // next free texel of the strip below the atlas
+    std::array<std::vector<glm::vec4>, 2> direct_texels_;
     std::uint64_t drawn_state_ = 0;
 };
 

@@ -25,4 +25,20 @@ PictureDifference picture_difference(std::span<const std::byte> a, std::span<con
     return result;
 }
 
+double temporal_difference(std::span<const std::byte> before, std::span<const std::byte> now,
+                           std::span<const std::byte> reference_before, std::span<const std::byte> reference_now) {
+    assert(before.size() == now.size() && now.size() == reference_before.size() && now.size() == reference_now.size() &&
+           now.size() % 4 == 0);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+        if (i % 4 == 3) {
+            continue;
+        }
+        const int change = (std::to_integer<int>(now[i]) - std::to_integer<int>(before[i])) -
+                           (std::to_integer<int>(reference_now[i]) - std::to_integer<int>(reference_before[i]));
+        sum += static_cast<double>(change) * change;
+    }
+    return std::sqrt(sum / (0.75 * static_cast<double>(std::max<std::size_t>(now.size(), 4))));
+}
+
 } // namespace alpenglow::sandbox

@@ -54,19 +54,32 @@ double median_of(const RunReport& run, std::string_view system, Figure figure) {
 } // namespace
 
 std::string to_json(const RunReport& run) {
-    Json document{{"scene", run.scene},
-                  {"device", run.device},
-                  {"quality", run.quality},
-                  {"size", {run.width, run.height}}};
+    Json document{
+        {"scene", run.scene}, {"device", run.device}, {"quality", run.quality}, {"size", {run.width, run.height}}};
     Json systems = Json::object();
     std::vector<double> cpu;
     std::vector<double> wall;
     Json frames = Json::array();
+    std::vector<double> direct_cpu, direct_wall, compared_cpu, compared_wall, psnr, steps;
     for (const FrameReport& frame : run.frames) {
         cpu.push_back(frame.cpu_ms);
         wall.push_back(frame.wall_ms);
         Json entry{{"index", frames.size()}, {"cpu_ms", frame.cpu_ms}, {"wall_ms", frame.wall_ms}};
+        if (frame.direct_cpu_ms > 0.0) {
+            entry["direct_cpu_ms"] = frame.direct_cpu_ms;
+            entry["direct_wall_ms"] = frame.direct_wall_ms;
+            direct_cpu.push_back(frame.direct_cpu_ms);
+            direct_wall.push_back(frame.direct_wall_ms);
+            compared_cpu.push_back(frame.cpu_ms);
+            compared_wall.push_back(frame.wall_ms);
+        }
         for (const SystemReport& report : frame.systems) {
+            const std::string_view system = report.system;
+            if (system == "compare") {
+                psnr.push_back(report.error_bound);
+            } else if (system == "compare_steps") {
+                steps.push_back(report.error_bound);
+            }
             entry["systems"][report.system] = to_json(report);
             systems[report.system] = nullptr;
         }
@@ -80,6 +93,22 @@ std::string to_json(const RunReport& run) {
                  {"error_bound", median_of(run, name, [](const SystemReport& r) { return r.error_bound; })}};
     }
     document["medians"] = {{"cpu_ms", median(cpu)}, {"wall_ms", median(wall)}, {"systems", std::move(systems)}};
+    if (!psnr.empty()) { // the same frames both ways
+        Json compared{{"frames", psnr.size()},
+                      {"psnr_least_db", *std::min_element(psnr.begin(), psnr.end())},
+                      {"psnr_median_db", median(psnr)},
+                      {"cpu_ms", median(compared_cpu)},
+                      {"wall_ms", median(compared_wall)},
+                      {"direct_cpu_ms", median(direct_cpu)},
+                      {"direct_wall_ms", median(direct_wall)},
+                      {"cpu_ratio", median(direct_cpu) / std::max(median(compared_cpu), 1e-9)},
+                      {"wall_ratio", median(direct_wall) / std::max(median(compared_wall), 1e-9)}};
+        if (!steps.empty()) {
+            compared["step_median"] = median(steps);
+            compared["step_largest"] = *std::max_element(steps.begin(), steps.end());
+        }
+        document["compared"] = std::move(compared);
+    }
     document["frames"] = std::move(frames);
     return document.dump(1) + "\n";
 }

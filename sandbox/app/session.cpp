@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -167,6 +168,8 @@ Status Session::draw(double dt_s) {
     const double cpu = process_cpu_seconds();
     const double wall = wall_seconds();
     game->update(dt_s, static_cast<int>(extent.width), static_cast<int>(extent.height));
+    updated_cpu_ms_ = (process_cpu_seconds() - cpu) * 1e3;
+    updated_wall_ms_ = (wall_seconds() - wall) * 1e3;
     const double draw_cpu = thread_cpu_seconds();
     const Result<DrawStats> stats = renderer->draw(game->frame(), swapchain_ ? &*swapchain_ : nullptr, draw_hud());
     if (!stats) {
@@ -207,14 +210,25 @@ Status Session::draw(double dt_s) {
     return Ok{};
 }
 
-// Draws the frame once more without the parts' shortcuts, and reports how far the two pictures are apart (`error_bound`:
-// PSNR in dB).
+// Draws the frame once more without the parts' shortcuts, and reports how far the two pictures are apart: `compare`
+// (`error_bound`: PSNR in dB), `compare_steps` (temporal_difference() against the frame before, where that was compared
+// too), and what the frame costs when drawn like that.
 Status Session::compare() {
     const auto shown = renderer->read_pixels();
     if (!shown) {
         return shown.error();
     }
     bool differs = false;
+    FrameReport& frame = report.frames.back();
+    double saved_cpu_ms = 0.0; // what the shortcuts cost
+    for (const SystemReport& system : frame.systems) {
+        const std::string_view name = system.system;
+        if (name == "captures" || name == "impostors") {
+            saved_cpu_ms += system.cpu_ms;
+        }
+    }
+    const double cpu = process_cpu_seconds();
+    const double wall = wall_seconds();
     for (const std::unique_ptr<Part>& part : game->parts()) {
         differs = part->show_reference(true) || differs;
     }
@@ -222,7 +236,15 @@ Status Session::compare() {
         return Ok{};
     }
     const Result<DrawStats> drawn = renderer->draw(game->frame(), nullptr, nullptr);
-    const auto reference = drawn ? renderer->read_pixels() : Result<std::vector<std::byte>>(drawn.error());
+    if (!drawn) {
+        return drawn.error();
+    }
+    if (const Status done = renderer->finish(); !done) {
+        return done;
+    }
+    frame.direct_cpu_ms = (process_cpu_seconds() - cpu) * 1e3 + updated_cpu_ms_ - saved_cpu_ms;
+    frame.direct_wall_ms = (wall_seconds() - wall) * 1e3 + std::max(0.0, updated_wall_ms_ - saved_cpu_ms);
+    auto reference = renderer->read_pixels();
     if (!reference) {
         return reference.error();
     }
@@ -232,7 +254,15 @@ Status Session::compare() {
             part->compared(difference.psnr_db);
         }
     }
-    report.frames.back().systems.push_back({.system = "compare", .error_bound = difference.psnr_db});
+    frame.systems.push_back({.system = "compare", .error_bound = difference.psnr_db});
+    if (compared_frame_ + 1 == report.frames.size() && compared_.size() == shown->size()) {
+        frame.systems.push_back(
+            {.system = "compare_steps",
+             .error_bound = temporal_difference(compared_, *shown, compared_reference_, *reference)});
+    }
+    compared_frame_ = report.frames.size();
+    compared_ = *shown;
+    compared_reference_ = std::move(reference).value();
     difference_ = std::move(difference.amplified);
     return Ok{};
 }

@@ -16,7 +16,7 @@ struct ImpostorSettings {
     int craft = 7;             // aircraft that weave through them
     bool follow = true;        // the camera flies with them
     float max_error = 0.02F;   // relative RMSE of a picture that may go unnoticed
-    int budget_texels = 40000; // captured a frame
+    int budget_texels = 16000; // worth of work on pictures a frame
     bool outlines = false;
     bool direct = false; // march every cloud in every frame instead
 };

@@ -319,6 +319,12 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
         constexpr double unknown = 65536.0; // until the first cost is known
         budget = std::min(budget, ms_per_texel_ > 0.0 ? ms / ms_per_texel_ : (ms > 0.0 ? unknown : 0.0));
     }
+    const bool spread = std::isgreater(settings_.spread_frames, 1.0);
+    const double backlog = spread && std::isgreater(backlog_, 0.0) ? backlog_ : 0.0;
+    const auto pending = [&](SlotId id) { return spread && id != no_slot && !slots_.at(id).sensitivity; };
+    if (spread) {
+        budget *= settings_.spread_frames;
+    }
     const double affordable = std::sqrt(std::min(budget, 1e9));
 
     // What can be seen, and how large.
@@ -427,6 +433,9 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
         const Frustum& view = views[c.view].frustum;
         Shown& shown = shown_in(*c.record, views[c.view].id);
         shown_of[i] = &shown;
+        if (pending(shown.slot)) {
+            shown.fade_start_s = now_s;
+        }
         const double fade = now_s - shown.fade_start_s;
         if (shown.before != no_slot && !(fade >= 0.0 && fade < settings_.fade_s)) {
             shown.before = no_slot;
@@ -438,14 +447,14 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
         }
         const int granted = granted_side(c.required, level);
         c.missing = shown.slot == no_slot;
-        if (!c.missing) {
+        if (!c.missing && !pending(shown.slot)) {
             c.urgency = urgency(slots_.at(shown.slot), object, view, lights, granted, c.record->detail);
         }
         if (c.missing || c.urgency > 1.0) { // another view's picture may do
             SlotId best = no_slot;
             double least = c.missing ? infinite : c.urgency;
             for (const SlotId id : c.record->slots) {
-                const double u = id == shown.slot
+                const double u = id == shown.slot || pending(id)
                                      ? infinite
                                      : urgency(slots_.at(id), object, view, lights, granted, c.record->detail);
                 if (u < least && (u <= settings_.ahead || c.missing)) {
@@ -475,7 +484,7 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
     }
 
     // Screen-aligned pictures for viewers inside: nothing else can stand in for them.
-    double spent = 0.0;
+    double spent = backlog;
     for (std::size_t i = 0; i < seen.size(); ++i) {
         const Candidate& c = seen[i];
         const SceneObject& object = objects[c.object];
@@ -504,7 +513,7 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
         shown.inside_lights = lights;
         const auto texels = static_cast<std::size_t>(frustum.width) * static_cast<std::size_t>(frustum.height);
         out.inside.push_back({c.object, c.view, frustum, downscale, texels});
-        spent += static_cast<double>(texels);
+        spent += spread ? 0.0 : static_cast<double>(texels);
         ++report.inside;
     }
 
@@ -516,6 +525,17 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
         };
         return key(a) < key(b);
     });
+    double share = 1.0; // of their texels that missing ones get, for all to have some at once
+    if (spread) {
+        double demand_missing = 0.0;
+        for (const Candidate& c : due) {
+            const double side = c.missing ? granted_side(c.required, level) : 0.0;
+            demand_missing += side * side * layers_of(objects[c.object]);
+        }
+        if (demand_missing > budget - spent) {
+            share = std::max(0.0, budget - spent) / demand_missing;
+        }
+    }
     double hopeless = -infinite; // for what matters no more than this there is no room, and no more is made
     for (const Candidate& c : due) {
         const SceneObject& object = objects[c.object];
@@ -527,9 +547,12 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
         }
         const bool must = c.missing || c.urgency > 1.0;
         int side = granted_side(c.required, level);
+        if (c.missing && share < 1.0) {
+            side = std::max(settings_.least_tile, static_cast<int>(side * std::sqrt(share)));
+        }
         const double left = budget - spent;
         if (!must) { // ahead of need: within half the budget
-            if (spent + static_cast<double>(side) * side > 0.5 * budget) {
+            if (spent + static_cast<double>(side) * side > 0.5 * budget / (spread ? settings_.spread_frames : 1.0)) {
                 continue;
             }
         } else if (static_cast<double>(side) * side > left) {
@@ -592,7 +615,7 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
             {id, c.object, c.view, *frustum, settings, std::move(tiles), c.missing ? infinite : c.urgency, texels});
         ++report.captured;
     }
-    report.texels = spent;
+    report.texels = spent - backlog;
 
     // What is shown.
     for (std::size_t i = 0; i < seen.size(); ++i) {

@@ -139,6 +139,54 @@ TEST(Scheduler, SpreadsOverFrames) {
     EXPECT_GT(sum, 0.0);
 }
 
+// Captures that take several frames: asked for once, shown once they are there, all of them coarse before any is fine.
+TEST(Scheduler, CapturesThatTakeSeveralFramesAreWaitedFor) {
+    World world(60);
+    SchedulerSettings settings;
+    settings.budget_texels = 20000.0;
+    settings.spread_frames = 3.0;
+    Scheduler scheduler = make(settings);
+    for (SceneObject& object : world.objects) {
+        object.representation = Representation::depth_warp;
+    }
+    const ScheduleReport first = world.step(scheduler);
+    EXPECT_EQ(first.captured, first.seen); // each has its share
+    EXPECT_LE(first.texels, 1.5 * settings.spread_frames * settings.budget_texels);
+    EXPECT_GT(first.degraded, 0U);
+    const std::vector<CaptureJob> asked = world.plan.captures;
+    for (int frame = 0; frame < 10; ++frame) { // nobody has taken them yet
+        world.fly({0.0, 20.0, 0.0});
+        scheduler.set_backlog(first.texels);
+        EXPECT_EQ(world.step(scheduler).captured, 0U) << frame;
+    }
+    for (const CaptureJob& job : asked) {
+        scheduler.measured(job.slot, {}, glm::vec4(0.5F));
+    }
+    scheduler.set_backlog(0.0);
+    world.step(scheduler);
+    ASSERT_FALSE(world.plan.captures.empty()); // finer now
+    const CaptureJob again = world.plan.captures.front();
+    for (int frame = 0; frame < 60; ++frame) { // the old picture goes on showing, however long it takes
+        scheduler.set_backlog(1e9);
+        world.step(scheduler);
+        const auto item = std::find_if(world.plan.draws.begin(), world.plan.draws.end(),
+                                       [&](const DrawItem& draw) { return draw.slot == again.slot; });
+        ASSERT_NE(item, world.plan.draws.end());
+        EXPECT_NE(item->before, no_slot) << frame;
+        EXPECT_EQ(item->weight, 0.0F) << frame;
+    }
+    scheduler.measured(again.slot, {}, glm::vec4(0.5F));
+    for (int frame = 0; frame < 20; ++frame) {
+        world.step(scheduler);
+    }
+    for (const DrawItem& item : world.plan.draws) {
+        if (item.slot == again.slot) {
+            EXPECT_EQ(item.weight, 1.0F);
+            EXPECT_EQ(item.before, no_slot);
+        }
+    }
+}
+
 TEST(Scheduler, BudgetZeroStillShowsSomething) {
     for (const double budget : {0.0, -5.0, std::nan("")}) {
         World world(20);

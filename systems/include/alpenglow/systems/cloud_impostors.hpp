@@ -39,46 +39,118 @@ struct CloudSubject {
     return camera;
 }
 
+// A capture of a cloud that is marched a few rows at a time, slab by slab, and asked for when it is complete.
+class CloudCapture {
+public:
+    CloudCapture(CloudSubject subject, const impostors::Frustum& view, std::span<const double> edges_m)
+        : subject_(std::move(subject)), view_(view), edges_m_(edges_m.begin(), edges_m.end()),
+          eye_m_(view.eye_m - subject_.offset_m) {
+        const auto width = static_cast<std::size_t>(view.width);
+        per_depth_.resize(width * static_cast<std::size_t>(view.height));
+        for (std::size_t i = 0; i < per_depth_.size(); ++i) {
+            per_depth_[i] = static_cast<float>(glm::length(
+                view.direction(static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5)));
+        }
+        slabs_.resize(edges_m_.size() - 1);
+        for (clouds::Picture& slab : slabs_) {
+            slab = clouds::Picture(view.width, view.height);
+        }
+        if (subject_.march.fields == nullptr) {
+            fields_ = subject_.lighting->contract(subject_.volume->transform().index_from_world(eye_m_));
+        }
+    }
+
+    [[nodiscard]] bool done() const { return slab_ >= slabs_.size(); }
+    [[nodiscard]] std::size_t texels_left() const {
+        return done() ? 0 : (slabs_.size() - slab_) * per_depth_.size() - static_cast<std::size_t>(row_ * view_.width);
+    }
+
+    // Marches the next rows of the slab that is in progress; returns how many of their texels show anything.
+    std::size_t march(int rows) {
+        if (done()) {
+            return 0;
+        }
+        const int end = std::min(view_.height, row_ + std::max(rows, 1));
+        clouds::MarchSettings march = subject_.march;
+        if (march.fields == nullptr) {
+            march.fields = &fields_;
+        }
+        const auto first = static_cast<std::size_t>(row_ * view_.width);
+        const auto count = static_cast<std::size_t>((end - row_) * view_.width);
+        impostors::Frustum band = view_;
+        band.height = end - row_;
+        band.tan_top = view_.tan_top - row_ / view_.pixels_per_tan_y();
+        band.tan_bottom = view_.tan_top - end / view_.pixels_per_tan_y();
+        if (slabs_.size() > 1) { // one slab holds the whole cloud
+            from_.resize(count);
+            to_.resize(count);
+            for (std::size_t i = 0; i < count; ++i) {
+                from_[i] = static_cast<float>(edges_m_[slab_]) * per_depth_[first + i];
+                to_[i] = static_cast<float>(edges_m_[slab_ + 1]) * per_depth_[first + i];
+            }
+            march.from_m = from_;
+            march.scene_depth_m = to_;
+        } else if (!march.scene_depth_m.empty()) { // the subject's own, of the whole picture
+            march.scene_depth_m = march.scene_depth_m.subspan(first, count);
+        }
+        const clouds::Picture rows_now =
+            clouds::march(*subject_.volume, *subject_.lighting, cloud_camera(band, subject_.offset_m), march);
+        clouds::Picture& slab = slabs_[slab_];
+        std::size_t seen = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            slab.radiance[first + i] = rows_now.radiance[i];
+            slab.transmittance[first + i] = rows_now.transmittance[i];
+            slab.depth_m[first + i] = rows_now.depth_m[i];
+            slab.spread_m[first + i] = rows_now.spread_m[i];
+            seen += rows_now.transmittance[i] < 1.0F ? 1 : 0;
+        }
+        row_ = end;
+        if (row_ == view_.height) {
+            row_ = 0;
+            ++slab_;
+        }
+        return seen;
+    }
+
+    [[nodiscard]] const clouds::Picture& slab(std::size_t k) const { return slabs_[k]; }
+
+    // What has been marched, as a Drawable's slabs.
+    void fill(const impostors::CaptureRequest& request, std::span<impostors::SlabImage> slabs) const {
+        const auto scale = static_cast<float>(1.0 / request.depth_scale_m);
+        for (std::size_t k = 0; k < slabs.size(); ++k) {
+            const clouds::Picture& picture = slabs_[k];
+            for (std::size_t i = 0; i < per_depth_.size(); ++i) {
+                const float alpha = 1.0F - picture.transmittance[i];
+                const float depth = picture.depth_m[i] / per_depth_[i];
+                const float s = static_cast<float>((static_cast<double>(depth) - request.depth_origin_m)) * scale;
+                const float spread = picture.spread_m[i] / per_depth_[i] * scale;
+                slabs[k].colour[i] = glm::vec4(subject_.scale * picture.radiance[i], alpha);
+                slabs[k].depth[i] = alpha * glm::vec2(s, s * s + spread * spread);
+            }
+        }
+    }
+
+private:
+    CloudSubject subject_;
+    impostors::Frustum view_;
+    std::vector<double> edges_m_;
+    glm::dvec3 eye_m_;
+    clouds::CloudLighting::ViewFields fields_;
+    std::vector<float> per_depth_; // distance over axis depth
+    std::vector<float> from_, to_;
+    std::vector<clouds::Picture> slabs_;
+    std::size_t slab_ = 0;
+    int row_ = 0;
+};
+
 // Marches each slab by itself. All light follows the key light (SlabImage::fill stays empty).
 [[nodiscard]] inline impostors::Drawable cloud_drawable(const CloudSubject& subject) {
     return [subject](const impostors::CaptureRequest& request, std::span<impostors::SlabImage> slabs) -> Status {
-        const clouds::Camera camera = cloud_camera(request.view, subject.offset_m);
-        const auto texels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
-        std::vector<float> per_depth(texels); // distance over axis depth
-        for (std::size_t i = 0; i < texels; ++i) {
-            const auto x = static_cast<double>(i % static_cast<std::size_t>(camera.width));
-            const auto y = static_cast<double>(i / static_cast<std::size_t>(camera.width));
-            per_depth[i] = static_cast<float>(glm::length(request.view.direction(x + 0.5, y + 0.5)));
+        CloudCapture capture(subject, request.view, request.edges_m);
+        while (!capture.done()) {
+            capture.march(request.view.height);
         }
-        clouds::MarchSettings march = subject.march;
-        clouds::CloudLighting::ViewFields fields;
-        if (march.fields == nullptr && slabs.size() > 1) {
-            fields = subject.lighting->contract(subject.volume->transform().index_from_world(camera.position_m));
-            march.fields = &fields;
-        }
-        std::vector<float> from(texels);
-        std::vector<float> to(texels);
-        for (std::size_t k = 0; k < slabs.size(); ++k) {
-            if (slabs.size() > 1) { // one slab holds the whole cloud
-                for (std::size_t i = 0; i < texels; ++i) {
-                    from[i] = static_cast<float>(request.edges_m[k]) * per_depth[i];
-                    to[i] = static_cast<float>(request.edges_m[k + 1]) * per_depth[i];
-                }
-                march.from_m = from;
-                march.scene_depth_m = to;
-            }
-            const clouds::Picture picture = clouds::march(*subject.volume, *subject.lighting, camera, march);
-            impostors::SlabImage& slab = slabs[k];
-            const auto scale = static_cast<float>(1.0 / request.depth_scale_m);
-            for (std::size_t i = 0; i < texels; ++i) {
-                const float alpha = 1.0F - picture.transmittance[i];
-                const float depth = picture.depth_m[i] / per_depth[i];
-                const float s = static_cast<float>((static_cast<double>(depth) - request.depth_origin_m)) * scale;
-                const float spread = picture.spread_m[i] / per_depth[i] * scale;
-                slab.colour[i] = glm::vec4(subject.scale * picture.radiance[i], alpha);
-                slab.depth[i] = alpha * glm::vec2(s, s * s + spread * spread);
-            }
-        }
+        capture.fill(request, slabs);
         return Ok{};
     };
 }

@@ -63,6 +63,10 @@ struct SchedulerSettings {
     double inside_error = 0.01;    // relative RMSE of the downscale, from then on
     double margin_inside = 0.0;    // see screen_aligned
     int warp_cell = 0;             // see CaptureSettings
+    // > 1: captures are carried out over several frames, and up to so many budgets of them may wait (set_backlog). A
+    // picture that has been asked for counts as good, and its fade waits, until measured() or failed(). Where much is
+    // missing all of it shares what is left, coarse at first. Screen-aligned pictures are the caller's to afford.
+    double spread_frames = 1.0;
     // > 0: pictures of soft things may have fewer texels than pixels, down to a quarter across, as long as what
     // bilinear filtering is measured to lose (Sensitivity::resample) stays within this; 0: equation 11 as it stands.
     double detail_error = 0.0;
@@ -139,6 +143,9 @@ public:
     // Budget and fade may change between frames; the atlas may not.
     void set_budget(double texels, double ms = std::numeric_limits<double>::infinity());
 
+    // Texels of captures that were planned before and are still to be carried out: see spread_frames.
+    void set_backlog(double texels) { backlog_ = texels; }
+
     // What to do this frame. now_s: any clock that runs forward. The plan's indices mean these objects and views. An
     // object that is not among them gives up its pictures.
     void plan(std::span<const SceneObject> objects, std::span<const SceneView> views, const Lights& lights,
@@ -206,6 +213,7 @@ private:
     std::uint64_t frame_ = 0;
     int degrade_level_ = 0;
     double ms_per_texel_ = 0.0; // 0: not known yet
+    double backlog_ = 0.0;
 };
 
 } // namespace alpenglow::impostors
