@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <numeric>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -45,6 +46,31 @@ Result<std::shared_ptr<const clouds::BrickVolume>> read_cloud(const CloudFileSet
     transform.origin_m = glm::dvec3(file.position_m) - transform.world_from_index(middle);
     volume->set_transform(transform);
     return std::shared_ptr<const clouds::BrickVolume>(std::move(volume));
+}
+
+// Of a layer's shadow over one repetition of it, on a plane below it.
+float mean_transmittance(const clouds::CloudShadow& shadow, double repeat_m, double plane_m,
+                         const glm::vec3& to_light) {
+    constexpr std::size_t places = 32; // a side
+    const int copies = to_light.z < 0.15F ? 2 : 1;
+    std::array<double, places> rows{};
+    parallel_for(places, 4, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t j = begin; j < end; ++j) {
+            for (std::size_t i = 0; i < places; ++i) {
+                const glm::dvec3 at(((static_cast<double>(i) + 0.5) / places - 0.5) * repeat_m,
+                                    ((static_cast<double>(j) + 0.5) / places - 0.5) * repeat_m, plane_m);
+                double through = 1.0;
+                for (int v = -copies; v <= copies; ++v) {
+                    for (int u = -copies; u <= copies; ++u) {
+                        through *=
+                            static_cast<double>(shadow.transmittance(at - glm::dvec3(u * repeat_m, v * repeat_m, 0.0)));
+                    }
+                }
+                rows[j] += through / (places * places);
+            }
+        }
+    });
+    return static_cast<float>(std::accumulate(rows.begin(), rows.end(), 0.0));
 }
 
 } // namespace
@@ -144,6 +170,10 @@ void CloudScene::relight(Stage& stage) {
     if (stage.reports.back().updated > 0) {
         bake_ms_ = stage.reports.back().cpu_ms;
     }
+    if (shade_layers(stage)) {
+        update_clouds(registry_, stage.frame); // strengths of lights alone: no work
+        ++light_revision_;
+    }
     // Light that is still being made is shown once it is done.
     for (std::size_t i = 0; i < entities_.size(); ++i) {
         const CloudLight* light = registry_.try_get<CloudLight>(entities_[i].entity);
@@ -184,6 +214,66 @@ void CloudScene::cover_places(Stage& stage) {
     around.drifted_m = drifted_m_;
     around.base_m = shadow_.map().base_m;
     stage.reports.push_back(covers_.update(registry_, registry_.get<SkyLightSh>(stage.sky), around));
+}
+
+// The share of the key light that the layers above leave to each, the mean over one repetition of them; true where one
+// has changed by a hundredth. Looked up again when the light has turned by a degree; independent of the wind.
+bool CloudScene::shade_layers(const Stage& stage) {
+    const SkyState& sky = registry_.get<SkyState>(stage.sky);
+    const bool by_moon = sky.moon_illuminance_lux.g > sky.sun_illuminance_lux.g;
+    const glm::vec3 towards = by_moon ? stage.light.to_moon : stage.light.to_sun;
+    constexpr float cos_one_degree = 0.99984770F;
+    if (entities_.size() < 2 || glm::dot(towards, layers_from_) > cos_one_degree) {
+        return false;
+    }
+    struct Layer {
+        const Item* item;
+        double bottom_m, top_m;
+        std::size_t light;
+    };
+    std::vector<Layer> layers;
+    for (const Item& item : entities_) {
+        const clouds::BrickVolume& volume = *registry_.get<CloudVolume>(item.entity).volume;
+        const CloudLight* light = registry_.try_get<CloudLight>(item.entity);
+        if (item.repeat_m <= 0.0 || volume.empty() || light == nullptr || !light->lighting) {
+            continue;
+        }
+        for (std::size_t i = 0; i < light->lighting->lights().size(); ++i) {
+            if (light->kind[i] == (by_moon ? 2 : 1)) {
+                const clouds::GridTransform& transform = volume.transform();
+                layers.push_back({&item, transform.world_from_index(glm::dvec3(volume.active_low())).z,
+                                  transform.world_from_index(glm::dvec3(volume.active_high())).z, i});
+            }
+        }
+    }
+    if (layers.size() < 2) {
+        return false;
+    }
+    layers_from_ = towards;
+    std::vector<float> means(layers.size(), 1.0F); // of each layer's own shadow
+    for (std::size_t l = 0; l < layers.size(); ++l) {
+        const bool shades = std::any_of(layers.begin(), layers.end(),
+                                        [&](const Layer& other) { return other.top_m <= layers[l].bottom_m; });
+        if (shades) {
+            const Item& item = *layers[l].item;
+            const CloudVolume& cloud = registry_.get<CloudVolume>(item.entity);
+            const clouds::CloudShadow shadow(*cloud.volume, *registry_.get<CloudLight>(item.entity).lighting,
+                                             layers[l].light, 4);
+            means[l] = mean_transmittance(shadow, item.repeat_m, layers[l].bottom_m - 1.0, towards);
+        }
+    }
+    bool changed = false;
+    for (const Layer& layer : layers) {
+        float share = 1.0F;
+        for (std::size_t l = 0; l < layers.size(); ++l) {
+            share *= layer.top_m <= layers[l].bottom_m ? means[l] : 1.0F;
+        }
+        CloudVolume& cloud = registry_.get<CloudVolume>(layer.item->entity);
+        float& kept = by_moon ? cloud.moon_share : cloud.sun_share;
+        changed = changed || std::abs(share - kept) > 0.01F;
+        kept = share;
+    }
+    return changed;
 }
 
 // Once for each state of the light, while the sun is where the reference has it.

@@ -61,6 +61,7 @@ private:
     void update_shadow(const Stage& stage);
     void shade(Stage& stage);
     void measure_sky(const Stage& stage);
+    bool shade_layers(const Stage& stage);
     void measure_error();
     void cover_places(Stage& stage);
     void show(const clouds::Picture& picture, std::uint32_t revision);
@@ -85,6 +86,7 @@ private:
     std::optional<CloudReference> reference_;
     std::optional<clouds::ImageError> error_; // against it, of `error_light_`
     std::uint32_t error_light_ = 0;
+    glm::vec3 layers_from_{0.0F}; // direction of the light that layers shade each other from
     CloudShadowMaker shadow_;
     CloudCovers covers_;
     glm::vec3 shadow_from_{0.0F};    // direction of the light that the shadow was made for

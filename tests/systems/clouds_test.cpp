@@ -190,6 +190,22 @@ TYPED_TEST(CloudSystem, ColoursFollowWithoutABake) {
     }
 }
 
+TYPED_TEST(CloudSystem, WhatOtherCloudsLeaveOfTheSunFollowsWithoutABake) {
+    this->sky(sun_at(0.6F));
+    const auto below = this->cloud();
+    const auto above = this->cloud();
+    this->settle();
+    const auto sun = [&](auto entity) {
+        return this->registry.template get<CloudLight>(entity).lighting->lights()[0].irradiance;
+    };
+    const glm::vec3 whole = sun(above);
+    EXPECT_EQ(sun(below), whole);
+    this->registry.template get<CloudVolume>(below).sun_share = 0.25F;
+    EXPECT_EQ(update_clouds(this->registry, this->frame).updated, 0U);
+    EXPECT_EQ(sun(below), 0.25F * whole);
+    EXPECT_EQ(sun(above), whole);
+}
+
 TYPED_TEST(CloudSystem, TheMoonTakesOverWhenTheSunHasSet) {
     const auto sky = this->sky(sun_at(0.6F));
     const auto entity = this->cloud();

@@ -146,6 +146,41 @@ TEST_F(CloudSceneTest, DetailReshapesCloudsWithoutLight) {
     EXPECT_EQ(game_->frame().clouds->shadow.revision, shadow);
 }
 
+// What a layer lets through is all that the one below it gets of the sun.
+TEST_F(CloudSceneTest, ALayerShadesTheOneBelow) {
+    Scene scene = cloudy();
+    CloudLayerSettings high = scene.clouds->layers.front();
+    high.type = CloudLayerType::stratus;
+    high.base_m = 6000.0F;
+    high.top_m = 6600.0F;
+    const auto shares = [&](float cover) { // of the lower layer, of the one above
+        high.cover = cover;
+        scene.clouds->layers = {cloudy().clouds->layers.front(), high};
+        game_->enter(scene);
+        update(0.0);
+        const CloudScene& clouds = *game_->part<CloudScene>();
+        std::vector<float> found;
+        const clouds::CloudLighting* last = nullptr;
+        for (const clouds::LitCloud& cloud : clouds.lit_clouds(glm::dvec3(0.0))) {
+            if (cloud.lighting != last) {
+                found.push_back(cloud.lighting->lights()[0].irradiance.g / clouds.sources().lights[0].irradiance.g);
+            }
+            last = cloud.lighting;
+        }
+        update(1.0 / 60.0);
+        EXPECT_EQ(report("cloud_view")->updated, 0U); // it is in the first picture already
+        return found;
+    };
+    const std::vector<float> thick = shares(1.0F);
+    ASSERT_EQ(thick.size(), 2U);
+    EXPECT_LT(thick[0], 0.1F);
+    EXPECT_EQ(thick[1], 1.0F);
+    const std::vector<float> broken = shares(0.5F);
+    EXPECT_GT(broken[0], 0.3F);
+    EXPECT_LT(broken[0], 0.9F);
+    EXPECT_EQ(broken[1], 1.0F);
+}
+
 TEST_F(CloudSceneTest, ClearAndCoveredAreTheEndsOfTheShadow) {
     Scene scene = cloudy();
     scene.clouds->layers.front().cover = 0.0F;

@@ -29,6 +29,9 @@ struct CloudVolume {
     bool visible = true;     // the game's culling: what is not seen is not lit
     float size_px = 1e9F;    // on screen; below a pixel nothing is lit
     bool skylit = true;      // lit by the sky, not by sun and moon alone
+    // Shares of the direct light that other clouds let through to this one, 0 .. 1: a clouds::CloudShadow knows them.
+    float sun_share = 1.0F;
+    float moon_share = 1.0F;
 };
 
 // Output of update_clouds, and its memory of what the light was made from.

@@ -15,12 +15,12 @@
 
 namespace alpenglow {
 
-// Writes CloudLight to every entity with CloudVolume, from the first SkyState, its SkyLightSh and, for the light that the
-// ground sends up, its Atmosphere; asks for that sky by
-// a SkyLightReceiver where a visible cloud is skylit. Skipped: clouds without a volume, not visible, smaller than a
-// pixel, or whose light is within max_error of what it should be (clouds::staleness). Colours of sun and moon follow at
-// once; directions and sky start slices of work, the stalest cloud first, at most CloudBudget a frame. What
-// clouds::check refuses is rejected: its previous light stands.
+// Writes CloudLight to every entity with CloudVolume, from the first SkyState, its SkyLightSh and, for the light that
+// the ground sends up, its Atmosphere; asks for that sky by a SkyLightReceiver where a visible cloud is skylit.
+// Skipped: clouds without a volume, not visible, smaller than a pixel, or whose light is within max_error of what it
+// should be (clouds::staleness). Colours of sun and moon, and what other clouds leave of them, follow at once;
+// directions and sky start slices of work, the stalest cloud first, at most CloudBudget a frame. What clouds::check
+// refuses is rejected: its previous light stands.
 template <Registry R>
 SystemReport update_clouds(R& registry, const Frame& /*frame*/) {
     SystemReport report{.system = "clouds"};
@@ -68,7 +68,11 @@ SystemReport update_clouds(R& registry, const Frame& /*frame*/) {
         const CloudVolume& cloud = registry.template get<CloudVolume>(item.entity);
         bool worked = false;
         if (item.seen) {
-            worked = clouds::refresh(cloud, light, sources, clouds::staleness(cloud, light, sources), depths);
+            clouds::CloudSources seen = sources;
+            for (int i = 0; i < seen.count; ++i) {
+                seen.lights[i].irradiance *= seen.kind[i] == 1 ? cloud.sun_share : cloud.moon_share;
+            }
+            worked = clouds::refresh(cloud, light, seen, clouds::staleness(cloud, light, seen), depths);
             while (slices > 0 && light.lighting != nullptr && light.lighting->advance()) {
                 --slices;
                 worked = true;
