@@ -22,16 +22,44 @@ vec2 impostor_texel(ImpostorView i, vec3 v, float w, out vec2 epipole) {
 // True where axis depth 1 / w lies in front of the view's eye along v.
 bool impostor_ahead(ImpostorView i, vec3 v, float w) { return (1.0 / w - i.eye.z) * v.z > 0.0; }
 
-// Warped kinds: the inverse depth of the texel that its own depth puts on this ray, by fixed point from w. `warp` holds s in x,
-// continued past the rim; origin: of the tile in the atlas, texels.
+// Warped kinds: the inverse depth of the surface where the ray is at inverse depth w. `warp` holds s in x, continued past
+// the rim; origin: of the tile in the atlas, texels.
+float impostor_surface(ImpostorView i, sampler2D warp, vec2 origin, vec2 atlas_texel, vec3 v, float w, float near_m, float far_m) {
+    vec2 epipole;
+    vec2 t = clamp(impostor_texel(i, v, w, epipole), vec2(0.5), i.size - 0.5);
+    float s = textureLod(warp, (origin + t) * atlas_texel, 0.0).x;
+    return 1.0 / clamp(i.depth_origin + i.depth_scale * s, near_m, far_m);
+}
+
+// The inverse depth of the texel that its own depth puts on this ray, by fixed point from w: where the warp moves texels
+// by less than two.
 float impostor_warp(ImpostorView i, sampler2D warp, vec2 origin, vec2 atlas_texel, vec3 v, float w, float near_m, float far_m) {
     for (int step = 0; step < 3; ++step) {
-        vec2 epipole;
-        vec2 t = clamp(impostor_texel(i, v, w, epipole), vec2(0.5), i.size - 0.5);
-        float s = textureLod(warp, (origin + t) * atlas_texel, 0.0).x;
-        w = 1.0 / clamp(i.depth_origin + i.depth_scale * s, near_m, far_m);
+        w = impostor_surface(i, warp, origin, atlas_texel, v, w, near_m, far_m);
     }
     return w;
+}
+
+// The same where it moves them further: the first crossing of ray and surface, in steps from the front of the slab to its
+// back (one for every 3.5 texels, at most eight), then two of regula falsi.
+float impostor_search(ImpostorView i, sampler2D warp, vec2 origin, vec2 atlas_texel, vec3 v, int steps, float near_m, float far_m) {
+    float front = 1.0 / near_m;
+    float back = 1.0 / far_m;
+    vec2 last = vec2(front, impostor_surface(i, warp, origin, atlas_texel, v, front, near_m, far_m) - front);
+    vec2 next = last; // inverse depth, and how much nearer the surface is
+    for (int k = 1; k <= steps && next.y < 0.0; ++k) {
+        last = next;
+        float w = mix(front, back, float(k) / float(steps));
+        next = vec2(w, impostor_surface(i, warp, origin, atlas_texel, v, w, near_m, far_m) - w);
+    }
+    float w = next.y > last.y ? mix(last.x, next.x, last.y / (last.y - next.y)) : next.x;
+    vec2 between = vec2(w, impostor_surface(i, warp, origin, atlas_texel, v, w, near_m, far_m) - w);
+    if (between.y < 0.0) {
+        last = between;
+    } else {
+        next = between;
+    }
+    return next.y > last.y ? mix(last.x, next.x, last.y / (last.y - next.y)) : next.x;
 }
 
 // One texel of a layer, lit: key and fill radiance with the factors that make good a change of their colours since capture.

@@ -1,5 +1,5 @@
-// Drawables that draw on a GPU: a mesh by its rasterizer, slab by slab, and the march of a cloud. Pictures of both are
-// held against drawing the same thing on the same device from where the viewer has gone.
+// Impostors and a GPU. Drawables that draw on one: a mesh by its rasterizer, slab by slab, and the march of a cloud.
+// Pictures of both are held against drawing the same thing on the same device from where the viewer has gone.
 #include "gpu_test.hpp"
 
 #include "real_cloud.hpp"
@@ -13,6 +13,7 @@
 #include <alpenglow/vulkan/transfer.hpp>
 
 #include <alpenglow_shaders/cloud_picture.frag.hpp>
+#include <alpenglow_shaders/impostor_draw.frag.hpp>
 #include <alpenglow_shaders/mesh.frag.hpp>
 #include <alpenglow_shaders/mesh.vert.hpp>
 #include <alpenglow_shaders/resolve.vert.hpp>
@@ -234,6 +235,108 @@ TEST_F(GpuDrawable, MeshFromAnotherEye) {
         }
         if (kind == Representation::warped_layers) { // at five degrees better than a plane at one
             EXPECT_GT(error(of, 5.0 * degree).second, plane[0].second);
+        }
+    }
+}
+
+// shaders/alpenglow/impostor.glsl draws what draw() does: every kind, near and far from where the picture was taken.
+TEST_F(GpuDrawable, ResamplerIsTheCpus) {
+    const test::BlobCloud cloud = test::make_blob_cloud(40, 5);
+    const Frustum from = *fit_frustum(cloud.bounds, {0, -4, 0}, {0, 0, 1}, 64);
+    const std::array<VkDescriptorSetLayoutBinding, 3> bindings{{
+        {0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
+        {1, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
+        {2, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
+    }};
+    struct Constants {
+        glm::vec4 eye, window, size, ray, ray_x, ray_y, slab;
+    };
+    const Result<DescriptorSetLayout> set_layout = create_descriptor_set_layout(*device, bindings);
+    const VkDescriptorSetLayout sets[] = {set_layout->get()};
+    const VkPushConstantRange range{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
+    const Result<PipelineLayout> layout = create_pipeline_layout(*device, sets, {&range, 1});
+    const std::array<ShaderStage, 2> stages{
+        {{VK_SHADER_STAGE_VERTEX_BIT, resolve_vert}, {VK_SHADER_STAGE_FRAGMENT_BIT, impostor_draw_frag}}};
+    const Result<Pipeline> pipeline = create_graphics_pipeline(
+        *device, {.stages = stages, .layout = layout->get(), .pass = pass.get(), .blend = Blend::over});
+    ASSERT_TRUE(pipeline) << pipeline.error().message();
+    const Result<Sampler> sampler = create_sampler(*device, {});
+    const auto upload = [&](const auto& texels, VkFormat format) {
+        Result<Image> image = Image::create(
+            *device, {.format = format,
+                      .extent = {static_cast<std::uint32_t>(from.width), static_cast<std::uint32_t>(from.height)},
+                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+        EXPECT_TRUE(image);
+        EXPECT_TRUE(upload_image(*device, *image, std::as_bytes(std::span(texels))));
+        return std::move(image).value();
+    };
+    constexpr int side = 56;
+    for (const Representation kind :
+         {Representation::plane, Representation::layers, Representation::depth_warp, Representation::warped_layers}) {
+        CaptureSettings settings;
+        settings.representation = kind;
+        settings.layers = 4;
+        const Result<Capture> picture = capture(cloud.bounds, from, settings, test::drawable(cloud));
+        ASSERT_TRUE(picture);
+        std::vector<Image> images;
+        std::vector<VkDescriptorSet> bound;
+        const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 12}};
+        const Result<DescriptorPool> pool = create_descriptor_pool(*device, 4, sizes);
+        for (const Layer& layer : picture->layers) {
+            const std::vector<float> flat(layer.mips.front().colour.size());
+            images.push_back(upload(layer.mips.front().colour, VK_FORMAT_R32G32B32A32_SFLOAT));
+            images.push_back(upload(layer.mips.front().fill, VK_FORMAT_R32G32B32A32_SFLOAT));
+            images.push_back(upload(layer.warp.empty() ? flat : layer.warp, VK_FORMAT_R32_SFLOAT));
+            bound.push_back(*allocate_descriptor_set(*device, pool->get(), set_layout->get()));
+            for (std::uint32_t i = 0; i < 3; ++i) {
+                write_image_descriptor(*device, bound.back(), i, images[images.size() - 3 + i].view(), sampler->get());
+            }
+        }
+        for (const double angle : {0.0, 2.0, 15.0}) {
+            const Frustum view = orbit(cloud.bounds, angle * degree, side);
+            const auto local = [&](const glm::dvec3& a) {
+                return glm::dvec3(glm::dot(a, from.right), glm::dot(a, from.up), glm::dot(a, from.forward));
+            };
+            const auto four = [](const glm::dvec3& a) { return glm::vec4(glm::vec3(a), 0.0F); };
+            const glm::dvec3 eye = local(view.eye_m - from.eye_m);
+            const Result<RenderTarget> target =
+                create_render_target(*device, picture_pass, pass.get(), {side, side}, VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                                     VK_IMAGE_USAGE_SAMPLED_BIT);
+            ASSERT_TRUE(submit_and_wait(*device, [&](VkCommandBuffer commands) {
+                begin_render_pass(commands, pass.get(), *target);
+                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline->get());
+                for (std::size_t k = picture->layers.size(); k-- > 0;) {
+                    const Layer& layer = picture->layers[k];
+                    // As reproject.cpp decides: how far the warp moves texels from the front of the slab to its back.
+                    const double moved = std::hypot(eye.x * from.pixels_per_tan_x(), eye.y * from.pixels_per_tan_y()) *
+                                         layer.plane_m / (layer.plane_m - eye.z) *
+                                         (1.0 / layer.near_m - 1.0 / layer.far_m);
+                    const double steps = layer.warp.empty() ? -1.0
+                                         : moved < 2.0      ? 0.0
+                                                            : std::min(8.0, std::ceil(moved / 3.5));
+                    const Constants constants{
+                        four(eye),
+                        glm::vec4(from.tan_left, from.tan_top, from.pixels_per_tan_x(), -from.pixels_per_tan_y()),
+                        glm::vec4(from.width, from.height, picture->depth_origin_m, picture->depth_scale_m),
+                        four(local(view.direction(0.5, 0.5))),
+                        four(local(view.right) / view.pixels_per_tan_x()),
+                        four(-local(view.up) / view.pixels_per_tan_y()),
+                        glm::vec4(layer.near_m, layer.far_m, 1.0 / layer.plane_m, steps)};
+                    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout->get(), 0, 1, &bound[k],
+                                            0, nullptr);
+                    vkCmdPushConstants(commands, layout->get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants,
+                                       &constants);
+                    vkCmdDraw(commands, 3, 1, 0, 0);
+                }
+                vkCmdEndRenderPass(commands);
+            }));
+            const auto gpu = read<glm::vec4>(*device, *target->color, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+            std::vector<glm::vec4> cpu(gpu.size(), glm::vec4(0.0F));
+            DrawSettings draw_settings;
+            draw_settings.gain.key = glm::vec3(1.5F, 1.0F, 0.5F);
+            draw_settings.gain.fill = glm::vec3(0.5F, 1.0F, 2.0F);
+            impostors::draw(*picture, view, draw_settings, cpu);
+            EXPECT_LT(test::relative_rmse(gpu, cpu), 2e-3) << static_cast<int>(kind) << " at " << angle;
         }
     }
 }
