@@ -24,6 +24,32 @@ float dot(const glm::vec3& a, const glm::vec3& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+// Nodes whose trilinear interpolation has the cells' values as its means: less an eighth of second differences (what
+// interpolation adds to the mean of a cell), along axes on which both neighbours are known. Not below 0.
+std::vector<float> with_means(const Lattice& lattice, const std::vector<std::int32_t>& known,
+                              const std::vector<float>& means) {
+    std::vector<float> out(means);
+    const std::size_t strides[3] = {1, std::size_t(lattice.dims.x),
+                                    std::size_t(lattice.dims.x) * std::size_t(lattice.dims.y)};
+    parallel_for(std::size_t(lattice.dims.z), 4, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin * strides[2]; i < end * strides[2]; ++i) {
+            if (known[i] < 0) {
+                continue;
+            }
+            float bend = 0.0F;
+            for (int a = 0; a < 3; ++a) {
+                const auto length = static_cast<std::size_t>(lattice.dims[a]);
+                const std::size_t c = i / strides[a] % length;
+                if (c > 0 && c + 1 < length && known[i - strides[a]] >= 0 && known[i + strides[a]] >= 0) {
+                    bend += means[i - strides[a]] - 2.0F * means[i] + means[i + strides[a]];
+                }
+            }
+            out[i] = std::max(0.0F, means[i] - 0.125F * bend);
+        }
+    });
+    return out;
+}
+
 } // namespace
 
 // What is queued: a light's moments, or one channel of the sky's.
@@ -164,7 +190,8 @@ BakeStats CloudLighting::start_light(std::size_t i, const DirectionalLight& ligh
     const float scaled_extinction = medium_.extinction_per_m * eye_extinction_;
     LightDepth depth = light_depth(depth_lattice_, depth_density_, block, baked.to_light, scaled_extinction);
     // Depths beyond the table's end hold no light: the field's 16 bits are for the rest.
-    const auto field_of = [&](std::vector<float>&& values) {
+    const auto field_of = [&](const std::vector<float>& depths) {
+        std::vector<float> values = sharpened(depth_lattice_, depths);
         const float most = 4.0F * table_->max_depth();
         parallel_for(values.size(), 65536, [&](std::size_t begin, std::size_t end) {
             for (std::size_t c = begin; c < end; ++c) {
@@ -174,7 +201,7 @@ BakeStats CloudLighting::start_light(std::size_t i, const DirectionalLight& ligh
         return Field16(depth_lattice_, values);
     };
     if (settings_.method != LightingMethod::transport) {
-        baked.depth = field_of(std::move(depth.depth));
+        baked.depth = field_of(depth.depth);
         stats.depth_s = process_cpu_seconds() - start;
         return stats;
     }
@@ -245,7 +272,7 @@ BakeStats CloudLighting::start_light(std::size_t i, const DirectionalLight& ligh
     for (std::size_t c = 0; c < deposit.size(); ++c) {
         deposit[c] = transport_->extinction()[c] > 0.0F ? deposit[c] * share * rescale : 0.0F;
     }
-    baked.depth = field_of(std::move(depth.depth));
+    baked.depth = field_of(depth.depth);
     stats.depth_s = process_cpu_seconds() - start;
     if (!warm) {
         baked.moments.clear();
@@ -441,7 +468,7 @@ CloudLighting::ViewFields CloudLighting::contract(const glm::dvec3* eye) const {
         }
     });
     for (const std::vector<float>& channel : values) {
-        out.fields.emplace_back(lattice, channel);
+        out.fields.emplace_back(lattice, with_means(lattice, transport_->active(), channel));
     }
     return out;
 }

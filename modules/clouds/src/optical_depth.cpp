@@ -12,14 +12,30 @@
 HWY_BEFORE_NAMESPACE();
 namespace alpenglow::clouds::HWY_NAMESPACE {
 
-// out[i] = bilinear value of rows a (v) and b (v + 1) at i and i + 1.
-void bilinear_row(const float* a, const float* b, float fu, float fv, float* out, int count) {
-    const float w00 = (1.0F - fu) * (1.0F - fv);
-    const float w10 = fu * (1.0F - fv);
-    const float w01 = (1.0F - fu) * fv;
-    const float w11 = fu * fv;
+// out[i] = cubic value of four rows (v - 1 .. v + 2, `stride` apart, u - 1 first) at weights wu and wv, not
+// below `lowest`; `line` holds count + 3 values.
+void cubic_row(const float* rows, std::ptrdiff_t stride, const float* wu, const float* wv, float* line, float lowest,
+               float* out, int count) {
+    const float* a = rows;
+    const float* b = rows + stride;
+    const float* c = b + stride;
+    const float* d = c + stride;
+    for (int i = 0; i < count + 3; ++i) {
+        line[i] = wv[0] * a[i] + wv[1] * b[i] + wv[2] * c[i] + wv[3] * d[i];
+    }
     for (int i = 0; i < count; ++i) {
-        out[i] = w00 * a[i] + w10 * a[i + 1] + w01 * b[i] + w11 * b[i + 1];
+        const float value = wu[0] * line[i] + wu[1] * line[i + 1] + wu[2] * line[i + 2] + wu[3] * line[i + 3];
+        out[i] = value > lowest ? value : lowest;
+    }
+}
+
+// out[i] = a[i] - (second differences along three axes) / 12, not below 0.
+void sharpened_row(const float* a, std::ptrdiff_t sy, std::ptrdiff_t sz, float* out, int count) {
+    for (int i = 0; i < count; ++i) {
+        const float* p = a + i;
+        const float sum = (p[-1] + p[1]) + (p[-sy] + p[sy]) + (p[-sz] + p[sz]);
+        const float value = 1.5F * p[0] - sum * (1.0F / 12.0F);
+        out[i] = value > 0.0F ? value : 0.0F;
     }
 }
 
@@ -75,7 +91,8 @@ HWY_AFTER_NAMESPACE();
 
 namespace alpenglow::clouds {
 
-HWY_EXPORT(bilinear_row);
+HWY_EXPORT(cubic_row);
+HWY_EXPORT(sharpened_row);
 HWY_EXPORT(advance_row);
 HWY_EXPORT(deposit);
 
@@ -141,9 +158,18 @@ float Field16::sample(const glm::vec3& index) const {
 
 namespace {
 
+// Lagrange's cubic through -1, 0, 1, 2 at f: depths bend most where light enters, and lines between them would be
+// above.
+void cubic_weights(float f, float* w) {
+    w[0] = -f * (f - 1.0F) * (f - 2.0F) / 6.0F;
+    w[1] = (f + 1.0F) * (f - 1.0F) * (f - 2.0F) / 2.0F;
+    w[2] = -(f + 1.0F) * f * (f - 2.0F) / 2.0F;
+    w[3] = (f + 1.0F) * f * (f - 1.0F) / 6.0F;
+}
+
 // Walks the slices from the light's side. advance(rows a and b of the slice, fractions, last density, depth, count,
-// first slice?, metres a slab) moves a row of columns on. Returns the columns' depths behind the last slice and the
-// area of one.
+// first slice?, metres a slab) moves a row of columns on. lowest: of what is read back. Returns the columns' depths
+// behind the last slice and the area of one.
 struct Columns {
     std::vector<float> depth;
     double area_m2;
@@ -152,7 +178,7 @@ struct Columns {
 
 template <class Advance>
 Columns sweep_columns(const Lattice& lattice, const std::vector<float>& density, const glm::vec3& block_m,
-                      const glm::vec3& to_light, std::vector<float>& out, Advance&& advance) {
+                      const glm::vec3& to_light, float lowest, std::vector<float>& out, Advance&& advance) {
     assert(density.size() == lattice.cells());
     out.resize(density.size());
     // The light's direction in blocks a metre; the main axis and the two others, the faster one first.
@@ -176,26 +202,27 @@ Columns sweep_columns(const Lattice& lattice, const std::vector<float>& density,
 
     // Column (U, V) passes slice k (0 on the light's side) at u = U - su * k: U covers all that any slice needs.
     const auto reach = [na](float s) { return s * static_cast<float>(na - 1); };
-    const int u0 = static_cast<int>(std::floor(std::min(0.0F, reach(su)))) - 2;
-    const int v0 = static_cast<int>(std::floor(std::min(0.0F, reach(sv)))) - 2;
-    const int columns_u = static_cast<int>(std::ceil(std::max(0.0F, reach(su)))) + nu + 3 - u0;
-    const int columns_v = static_cast<int>(std::ceil(std::max(0.0F, reach(sv)))) + nv + 3 - v0;
+    const int u0 = static_cast<int>(std::floor(std::min(0.0F, reach(su)))) - 3;
+    const int v0 = static_cast<int>(std::floor(std::min(0.0F, reach(sv)))) - 3;
+    const int columns_u = static_cast<int>(std::ceil(std::max(0.0F, reach(su)))) + nu + 4 - u0;
+    const int columns_v = static_cast<int>(std::ceil(std::max(0.0F, reach(sv)))) + nv + 4 - v0;
     std::vector<float> behind(std::size_t(columns_u) * std::size_t(columns_v), 0.0F);
-    // Strips of columns go from the first slice to the last on their own; each carries the first row of the next as
-    // well, which its own read-back interpolates with.
+    // Strips of columns go from the first slice to the last on their own; each carries a row of the last one and two of
+    // the next as well, which its own read-back interpolates with.
     constexpr int strip = 24;
     // A slice has a border of zeros wide enough for columns that are one slab past it.
     constexpr int border = 4;
     const int row = nu + 2 * border;
     const auto strips = static_cast<std::size_t>((columns_v + strip - 1) / strip);
     parallel_for(strips, 1, [&](std::size_t number, std::size_t) {
-        const int first =
-            v0 + static_cast<int>(number) * strip; // this strip's rows of columns: first .. first + count - 1
-        const int count = std::min(strip, v0 + columns_v - first);
-        std::vector<float> depth(std::size_t(columns_u) * std::size_t(count + 1), 0.0F);
+        const int own = v0 + static_cast<int>(number) * strip; // this strip's rows of columns: own .. own + count - 1
+        const int count = std::min(strip, v0 + columns_v - own);
+        const int first = own - 1; // that it carries
+        const int rows = count + 3;
+        std::vector<float> depth(std::size_t(columns_u) * std::size_t(rows), 0.0F);
         std::vector<float> last(depth.size(), 0.0F);
-        std::vector<float> slice(std::size_t(row) * std::size_t(count + 2), 0.0F);
-        std::vector<float> line(static_cast<std::size_t>(nu) + 8);
+        std::vector<float> slice(std::size_t(row) * std::size_t(rows + 1), 0.0F);
+        std::vector<float> line(2 * (static_cast<std::size_t>(nu) + 8));
         for (int k = 0; k < na; ++k) {
             const std::size_t plane = std::size_t(d[axis] > 0.0F ? na - 1 - k : k) * strides[axis];
             const float shift_u = -su * static_cast<float>(k);
@@ -207,8 +234,8 @@ Columns sweep_columns(const Lattice& lattice, const std::vector<float>& density,
             // Columns whose u = U + iu lies in -3 .. nu + 1: those that leave the slice drop to zero density there.
             const int begin_u = std::max(u0, -3 - iu);
             const int end_u = std::min(u0 + columns_u, nu + 2 - iu);
-            const int begin_v = std::max(first, -3 - iv);
-            const int end_v = std::min({first + count + 1, v0 + columns_v, nv + 2 - iv});
+            const int begin_v = std::max({first, v0, -3 - iv});
+            const int end_v = std::min({first + rows, v0 + columns_v, nv + 2 - iv});
             for (int v = begin_v + iv; v < end_v + iv + 1 && begin_v < end_v; ++v) {
                 float* to = slice.data() + std::size_t(v - first - iv) * std::size_t(row) + border;
                 const float* from = density.data() + plane + std::size_t(std::clamp(v, 0, nv - 1)) * strides[va];
@@ -230,24 +257,27 @@ Columns sweep_columns(const Lattice& lattice, const std::vector<float>& density,
             // Back at block centres: U = u - shift_u.
             const auto ju = static_cast<int>(std::floor(-shift_u));
             const auto jv = static_cast<int>(std::floor(-shift_v));
-            const float gu = -shift_u - static_cast<float>(ju);
-            const float gv = -shift_v - static_cast<float>(jv);
-            for (int v = std::max(0, first - jv); v < std::min(nv, first + count - jv); ++v) {
+            float wu[4];
+            float wv[4];
+            cubic_weights(-shift_u - static_cast<float>(ju), wu);
+            cubic_weights(-shift_v - static_cast<float>(jv), wv);
+            for (int v = std::max(0, own - jv); v < std::min(nv, own + count - jv); ++v) {
                 const float* a =
-                    depth.data() + std::size_t(v + jv - first) * std::size_t(columns_u) + std::size_t(ju - u0);
+                    depth.data() + std::size_t(v + jv - 1 - first) * std::size_t(columns_u) + std::size_t(ju - 1 - u0);
                 float* to = out.data() + plane + std::size_t(v) * strides[va];
+                float* scratch = line.data() + nu + 8;
                 if (strides[ua] == 1) {
-                    HWY_DYNAMIC_DISPATCH(bilinear_row)(a, a + columns_u, gu, gv, to, nu);
+                    HWY_DYNAMIC_DISPATCH(cubic_row)(a, columns_u, wu, wv, scratch, lowest, to, nu);
                 } else {
-                    HWY_DYNAMIC_DISPATCH(bilinear_row)(a, a + columns_u, gu, gv, line.data(), nu);
+                    HWY_DYNAMIC_DISPATCH(cubic_row)(a, columns_u, wu, wv, scratch, lowest, line.data(), nu);
                     for (int u = 0; u < nu; ++u) {
                         to[std::size_t(u) * strides[ua]] = line[std::size_t(u)];
                     }
                 }
             }
         }
-        std::copy_n(depth.begin(), std::size_t(columns_u) * std::size_t(count),
-                    behind.begin() + static_cast<std::ptrdiff_t>(std::size_t(first - v0) * std::size_t(columns_u)));
+        std::copy_n(depth.begin() + columns_u, std::size_t(columns_u) * std::size_t(count),
+                    behind.begin() + static_cast<std::ptrdiff_t>(std::size_t(own - v0) * std::size_t(columns_u)));
     });
     const double area =
         double(block_m[ua]) * double(block_m[va]) * double(std::abs(to_light[axis])); // across the light
@@ -259,7 +289,7 @@ Columns sweep_columns(const Lattice& lattice, const std::vector<float>& density,
 LightDepth light_depth(const Lattice& lattice, const std::vector<float>& density, const glm::vec3& block_m,
                        const glm::vec3& to_light, float removal_per_density) {
     LightDepth out;
-    Columns columns = sweep_columns(lattice, density, block_m, to_light, out.depth,
+    Columns columns = sweep_columns(lattice, density, block_m, to_light, 0.0F, out.depth,
                                     [&](const float* a, const float* b, float fu, float fv, float* last, float* depth,
                                         int count, int slice, float metres) {
                                         HWY_DYNAMIC_DISPATCH(advance_row)
@@ -275,10 +305,30 @@ LightDepth light_depth(const Lattice& lattice, const std::vector<float>& density
     return out;
 }
 
+std::vector<float> sharpened(const Lattice& lattice, const std::vector<float>& depth) {
+    assert(depth.size() == lattice.cells());
+    const glm::ivec3 n = lattice.dims;
+    std::vector<float> out(depth);
+    const std::ptrdiff_t sy = n.x;
+    const std::ptrdiff_t sz = sy * n.y;
+    if (n.x < 3 || n.y < 3 || n.z < 3) {
+        return out;
+    }
+    parallel_for(std::size_t(n.z - 2), 4, [&](std::size_t begin, std::size_t end) {
+        for (auto z = static_cast<std::ptrdiff_t>(begin) + 1; z < static_cast<std::ptrdiff_t>(end) + 1; ++z) {
+            for (std::ptrdiff_t y = 1; y + 1 < n.y; ++y) {
+                const std::ptrdiff_t at = z * sz + y * sy + 1;
+                HWY_DYNAMIC_DISPATCH(sharpened_row)(depth.data() + at, sy, sz, out.data() + at, n.x - 2);
+            }
+        }
+    });
+    return out;
+}
+
 std::vector<float> harris_depth(const Lattice& lattice, const std::vector<float>& density, const glm::vec3& block_m,
                                 const glm::vec3& to_light, float extinction_per_m, float gain, bool saturate) {
     std::vector<float> out;
-    sweep_columns(lattice, density, block_m, to_light, out,
+    sweep_columns(lattice, density, block_m, to_light, saturate ? 0.0F : -60.0F, out,
                   [&](const float* a, const float* b, float fu, float fv, float* last, float* depth, int count, int,
                       float metres) {
                       // `last` holds the particle of the slice before; light reaches this one through it.

@@ -43,7 +43,7 @@ struct Field16 {
 
 // Optical depth from each block's centre to the light, by sheared columns: slices across the light's main axis are
 // taken one after the other, from the light's side; columns that run along the light gather the trapezoid rule of the
-// density resampled once per slice, and each slice's depths are read back at block centres with one bilinear
+// density resampled once per slice, and each slice's depths are read back at block centres with one cubic
 // interpolation. A sweep that interpolates depths again at every step blurs them, and ruins pictures against the light.
 struct LightColumns {
     int axis = 2;         // the light's main axis; u and v are the other two, the lower first
@@ -65,6 +65,11 @@ struct LightDepth {
 // removal_per_density: the factor in removed_m2.
 [[nodiscard]] LightDepth light_depth(const Lattice& lattice, const std::vector<float>& density,
                                      const glm::vec3& block_m, const glm::vec3& to_light, float removal_per_density);
+
+// Depths for reading by trilinear interpolation: less a twelfth of their second differences, so that what is read has the
+// mean that it should have over each block (lines between the values of a convex function lie above it, and clouds would
+// be darker by 2 %). Not below 0; the lattice's outer layer stays.
+[[nodiscard]] std::vector<float> sharpened(const Lattice& lattice, const std::vector<float>& depth);
 
 // Harris's multiple forward scattering (course notes, cloud rendering, eq. 8) along the same columns, a slice a
 // particle: I_1 = 1, I_k = (a p(l, -l) / (4 pi) tau_(k-1) + exp(-tau_(k-1))) I_(k-1) with tau = extinction * density *
