@@ -17,7 +17,7 @@ constexpr double kLeastDownscale = 3.0;
 constexpr double kMargin = 0.05;                  // of the window, for turns that were not foreseen
 constexpr double kSlack = 0.01;                   // its last texels are held to the rim
 constexpr double kLeastDepth = 20.0;              // of a mesh, over the way from key to key
-constexpr int kShortest = 3, kLongest = 10;       // frames from key to key
+constexpr int kShortest = 4, kLongest = 10;       // frames from key to key
 constexpr double kJump_m = 40.0, kJump_rad = 0.2; // in one frame: not a flight
 
 double work_of(double seen, double texels) {
@@ -117,34 +117,45 @@ std::optional<glm::ivec2> InsidePictures::free_tile(const glm::ivec4& strip, con
 }
 
 bool InsidePictures::begin(Cloud& cloud, const Wanted& wanted, const impostors::Frustum& view, int frames,
-                           double downscale, const glm::ivec4& strip, const Subject& subject,
-                           const SceneDepth& scene_depth) {
+                           double downscale, const glm::ivec4& strip, const Subject& subject, const Cuts& cuts) {
     cloud.march.reset();
     const impostors::Frustum wide = impostors::screen_aligned(view, downscale, kMargin);
     std::optional<CloudSubject> what = subject(wanted.object);
-    const std::optional<glm::ivec2> tile = free_tile(strip, {wide.width, wide.height});
-    if (!what || !tile) {
+    if (!what) {
         return false;
     }
+    std::vector<Cut> at = cuts(wanted.object, wide, frames);
+    const std::optional<glm::ivec2> tile =
+        free_tile(strip, {wide.width, wide.height * static_cast<int>(at.size() + 1)});
+    if (!tile) {
+        return false;
+    }
+    std::vector<double> edges{0.0};
+    for (const Cut& cut : at) {
+        edges.push_back(cut.at_m);
+    }
+    edges.push_back(1e6);
     cloud.next = Key{};
     cloud.next.view = wide;
     cloud.next.tile = *tile;
+    cloud.next.cuts = std::move(at);
     cloud.next.content = wanted.content;
-    cloud.scene_depth_m.assign(static_cast<std::size_t>(wide.width) * static_cast<std::size_t>(wide.height), 1e30F);
-    scene_depth(wide, frames, cloud.scene_depth_m);
-    what->march.scene_depth_m = cloud.scene_depth_m;
     what->march.optical_step = 0.25F; // as the picture is coarser anyway
-    cloud.march.emplace(*what, wide, std::array<double, 2>{0.0, 1e9});
+    cloud.march.emplace(*what, wide, edges, false);
     return true;
 }
 
 void InsidePictures::finish(Cloud& cloud, std::vector<std::uint64_t>& taken, std::uint64_t object) {
-    const clouds::Picture& picture = cloud.march->slab(0);
-    cloud.next.texels.resize(picture.radiance.size());
-    for (std::size_t i = 0; i < picture.radiance.size(); ++i) {
-        cloud.next.texels[i] = glm::vec4(picture.radiance[i], 1.0F - picture.transmittance[i]);
+    for (std::size_t k = 0; k <= cloud.next.cuts.size(); ++k) {
+        const clouds::Picture& picture = cloud.march->slab(k);
+        Slab slab;
+        slab.texels.resize(picture.radiance.size());
+        for (std::size_t i = 0; i < picture.radiance.size(); ++i) {
+            slab.texels[i] = glm::vec4(picture.radiance[i], 1.0F - picture.transmittance[i]);
+        }
+        slab.mesh = mean_depth_mesh(picture, cloud.next.view, kLeastDepth * prediction_.motion_m() * cloud.period);
+        cloud.next.slabs.push_back(std::move(slab));
     }
-    cloud.next.mesh = mean_depth_mesh(picture, cloud.next.view, kLeastDepth * prediction_.motion_m() * cloud.period);
     cloud.from = std::exchange(cloud.to, std::move(cloud.next));
     cloud.next = Key{};
     cloud.march.reset();
@@ -153,7 +164,7 @@ void InsidePictures::finish(Cloud& cloud, std::vector<std::uint64_t>& taken, std
 }
 
 double InsidePictures::update(std::span<const Wanted> wanted, const impostors::Frustum& view, const glm::ivec4& strip,
-                              double units, const Subject& subject, const SceneDepth& scene_depth,
+                              double units, const Subject& subject, const Cuts& cuts,
                               std::vector<std::uint64_t>& taken) {
     prediction_.see(view);
     std::erase_if(clouds_, [&](const auto& entry) {
@@ -172,7 +183,7 @@ double InsidePictures::update(std::span<const Wanted> wanted, const impostors::F
         ++cloud.since;
         const bool lost = cloud.to && !covers(cloud.to->view, view, kSlack);
         if (lost || (!cloud.to && w.at_once)) { // a coarse one now
-            if (begin(cloud, w, view, 0, 2.0 * downscale, strip, subject, scene_depth)) {
+            if (begin(cloud, w, view, 0, 2.0 * downscale, strip, subject, cuts)) {
                 while (!cloud.march->done()) {
                     const std::size_t before = cloud.march->texels_left();
                     const auto seen = static_cast<double>(cloud.march->march(cloud.next.view.height));
@@ -195,7 +206,7 @@ double InsidePictures::update(std::span<const Wanted> wanted, const impostors::F
             const impostors::Frustum then = prediction_.after(ahead);
             const bool holds = cloud.to && !cloud.to->coarse && cloud.to->content == w.content &&
                                same_view(cloud.to->view, impostors::screen_aligned(then, downscale, kMargin));
-            if (!holds && begin(cloud, w, then, ahead, downscale, strip, subject, scene_depth)) {
+            if (!holds && begin(cloud, w, then, ahead, downscale, strip, subject, cuts)) {
                 spent += WorkCost::picture;
                 if (!cloud.to) {
                     cloud.period = period;
@@ -204,7 +215,7 @@ double InsidePictures::update(std::span<const Wanted> wanted, const impostors::F
             }
         }
         if (cloud.march && !cloud.march->done()) { // its share of the rows
-            const int height = cloud.next.view.height;
+            const int height = cloud.next.view.height * static_cast<int>(cloud.next.cuts.size() + 1);
             const int frames_left = std::max(1, cloud.period - cloud.since);
             const auto rows_left =
                 static_cast<int>(cloud.march->texels_left() / static_cast<std::size_t>(cloud.next.view.width));

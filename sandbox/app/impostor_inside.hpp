@@ -38,14 +38,27 @@ private:
 
 class InsidePictures {
 public:
-    struct Key {
-        impostors::Frustum view;
+    // Where opaque things cut the cloud: its depth along the view, and what they are to the caller.
+    struct Cut {
+        double at_m = 0.0;
+        std::vector<std::size_t> things;
+    };
+    struct Slab {
         std::vector<glm::vec4> texels; // premultiplied radiance and alpha
         PictureMesh mesh;
-        glm::ivec2 tile{0}; // its upper left corner in the atlas
+    };
+    struct Key {
+        impostors::Frustum view;
+        std::vector<Cut> cuts;   // from near to far
+        std::vector<Slab> slabs; // between them: one more
+        glm::ivec2 tile{0};      // the first slab's upper left corner in the atlas; the others follow below
         double content = 0.0;
         float encoded_gain = 0.0F; // the caller's
         bool coarse = false;
+
+        [[nodiscard]] glm::ivec2 tile_of(std::size_t slab) const {
+            return {tile.x, tile.y + static_cast<int>(slab) * view.height};
+        }
     };
     struct Cloud {
         std::optional<Key> from, to;
@@ -55,7 +68,6 @@ public:
         friend class InsidePictures;
         std::optional<CloudCapture> march;
         Key next;
-        std::vector<float> scene_depth_m;
         int since = 0;  // frames since `to` came
         int period = 0; // frames from one key to the next
     };
@@ -64,15 +76,15 @@ public:
         double content = 0.0;
         bool at_once = false; // nothing else shows it
     };
-    // A cloud's subject, and distances to opaque things on the view's rays, so many frames from now.
+    // A cloud's subject, and what cuts it in a view so many frames from now.
     using Subject = std::function<std::optional<CloudSubject>(std::uint64_t object)>;
-    using SceneDepth = std::function<void(const impostors::Frustum& view, int frames, std::vector<float>& depth_m)>;
+    using Cuts = std::function<std::vector<Cut>(std::uint64_t object, const impostors::Frustum& view, int frames)>;
 
     // Goes on with the pictures of the clouds that are wanted in `view`, for about `units` of work (impostor_work.hpp);
     // returns what was spent. `strip`: the part of the atlas for them, corner and size. `taken`: objects that have a
     // new picture.
     double update(std::span<const Wanted> wanted, const impostors::Frustum& view, const glm::ivec4& strip, double units,
-                  const Subject& subject, const SceneDepth& scene_depth, std::vector<std::uint64_t>& taken);
+                  const Subject& subject, const Cuts& cuts, std::vector<std::uint64_t>& taken);
 
     [[nodiscard]] Cloud* find(std::uint64_t object);
     [[nodiscard]] const Cloud* find(std::uint64_t object) const;
@@ -81,8 +93,7 @@ public:
 private:
     [[nodiscard]] std::optional<glm::ivec2> free_tile(const glm::ivec4& strip, const glm::ivec2& size) const;
     [[nodiscard]] bool begin(Cloud& cloud, const Wanted& wanted, const impostors::Frustum& view, int frames,
-                             double downscale, const glm::ivec4& strip, const Subject& subject,
-                             const SceneDepth& scene_depth);
+                             double downscale, const glm::ivec4& strip, const Subject& subject, const Cuts& cuts);
     void finish(Cloud& cloud, std::vector<std::uint64_t>& taken, std::uint64_t object);
 
     std::map<std::uint64_t, Cloud> clouds_; // in order, for the same bits in every run

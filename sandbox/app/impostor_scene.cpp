@@ -28,7 +28,9 @@ constexpr float kUsual_m = 620.0F;
 constexpr float kExtinction_per_m = 0.12F; // of a cloud of this size; others are as thick
 constexpr float kDetailCells = 1.6F;       // of the texture a voxel
 constexpr int kAtlasSide = 2048;
-constexpr int kStrip = 1024;         // rows below the atlas, for screen-aligned pictures; below them the direct one
+constexpr double kInsideCut_m = 60.0;
+constexpr double kTouchedRadii = 2.2;
+constexpr int kStrip = 1536;         // rows below the atlas, for screen-aligned pictures; below them the direct one
 constexpr double kAround = 1.3;      // radii: clouds so near are marched by themselves
 constexpr double kMargin = 0.08;     // of the view, where pictures are taken before they are seen
 constexpr double kInsideShare = 0.6; // of the budget
@@ -184,9 +186,9 @@ void ImpostorScene::begin(Stage& stage) {
         // Behind the squadron and above it, looking where it goes.
         const glm::dvec3 forward(craft_[0].axes[1]);
         const glm::dvec3 level = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 0.0, 1.0)));
-        const std::vector<Craft> before = squadron_at(path_, 1, time_s_ - 5.0);
-        const glm::dvec3 eye = before[0].position_m + glm::dvec3(0.0, 0.0, 620.0) + 60.0 * level;
-        const glm::dvec3 look = craft_[0].position_m + 500.0 * forward - eye;
+        const std::vector<Craft> before = squadron_at(path_, 1, time_s_ - 2.6);
+        const glm::dvec3 eye = before[0].position_m + glm::dvec3(0.0, 0.0, 110.0) + 25.0 * level;
+        const glm::dvec3 look = craft_[0].position_m + 150.0 * forward + glm::dvec3(0.0, 0.0, 30.0) - eye;
         stage.camera.position_m = glm::vec3(eye);
         stage.camera.yaw_rad = static_cast<float>(std::atan2(look.x, look.y));
         stage.camera.pitch_rad = static_cast<float>(std::atan2(look.z, std::hypot(look.x, look.y)));
@@ -297,29 +299,55 @@ void ImpostorScene::capture_inside(Stage& stage, std::vector<std::uint64_t>& tak
     std::vector<InsidePictures::Wanted> wanted;
     for (const impostors::DrawItem& item : f.plan.draws) {
         const impostors::SceneObject& object = f.objects[item.object];
-        const double nearest = item.distance_m - f.scheduler.settings().inside_start * object.bounds.radius_m;
+        // Where craft are in a cloud near by, its screen-aligned picture is marched between them.
+        const double radii =
+            clouds_[cloud_of_id_.at(object.id)].touched ? kTouchedRadii : f.scheduler.settings().inside_start;
+        const double nearest = item.distance_m - radii * object.bounds.radius_m;
         if (nearest < kLead * motion_m_) {
             wanted.push_back({object.id, object.content, item.impostor_weight <= 0.0F});
         }
     }
-    const auto scene_depth = [&](const impostors::Frustum& then, int frames, std::vector<float>& depth_m) {
-        if (craft_.empty()) {
-            return;
+    // Where craft will be in a cloud, nearest first; those close together make one cut.
+    const auto cuts = [&](std::uint64_t object, const impostors::Frustum& then, int frames) {
+        std::vector<InsidePictures::Cut> all;
+        if (!clouds_[cloud_of_id_.at(object)].touched) {
+            return all;
         }
-        std::vector<ColorVertex> triangles; // where they will be
-        for (const Craft& craft :
-             squadron_at(path_, settings_.craft, time_s_ + static_cast<double>(frames) * stage.world_dt_s)) {
-            append_craft(craft, {}, triangles);
+        const std::vector<Craft> craft =
+            squadron_at(path_, settings_.craft, time_s_ + static_cast<double>(frames) * stage.world_dt_s);
+        std::vector<std::pair<double, std::size_t>> depths;
+        for (std::size_t i = 0; i < craft.size(); ++i) {
+            const double z = glm::dot(craft[i].position_m - then.eye_m, then.forward);
+            if (z > static_cast<double>(craft[i].radius_m)) {
+                depths.emplace_back(z, i);
+            }
         }
-        draw_depth(triangles, then, depth_m);
+        std::sort(depths.begin(), depths.end());
+        double first = -1e9;
+        for (const auto& [z, i] : depths) {
+            if (z - first > kInsideCut_m) {
+                first = z;
+                all.emplace_back();
+            }
+            all.back().at_m = 0.5 * (first + z);
+            all.back().things.push_back(i);
+        }
+        return all;
     };
     inside_units_ = inside_.update(
         wanted, view, {0, kAtlasSide, data_.atlas_width, kStrip}, kInsideShare * settings_.budget_texels,
-        [&](std::uint64_t object) { return subject_of(object); }, scene_depth, taken);
+        [&](std::uint64_t object) { return subject_of(object); }, cuts, taken);
     for (const std::uint64_t id : taken) {
         InsidePictures::Key& key = *inside_.find(id)->to;
-        tiles_.push_back({key.tile.x, key.tile.y, key.view.width, key.view.height, key.texels, glm::vec3(1.0F)});
+        add_key(key);
         key.encoded_gain = stage.drawn.exposure;
+    }
+}
+
+void ImpostorScene::add_key(const InsidePictures::Key& key) {
+    for (std::size_t k = 0; k < key.slabs.size(); ++k) {
+        const glm::ivec2 tile = key.tile_of(k);
+        tiles_.push_back({tile.x, tile.y, key.view.width, key.view.height, key.slabs[k].texels, glm::vec3(1.0F)});
     }
 }
 
@@ -352,8 +380,7 @@ void ImpostorScene::encode_again(float exposure) {
         }
         for (std::optional<InsidePictures::Key>* key : {&inside->from, &inside->to}) {
             if (*key && moved(exposure, (*key)->encoded_gain)) {
-                tiles_.push_back({(*key)->tile.x, (*key)->tile.y, (*key)->view.width, (*key)->view.height,
-                                  (*key)->texels, glm::vec3(1.0F)});
+                add_key(**key);
                 (*key)->encoded_gain = exposure;
             }
         }
@@ -463,46 +490,64 @@ void ImpostorScene::add_item(const impostors::DrawItem& item, const impostors::S
     const impostors::Capture* taken = queue_.find(item.slot);
     const impostors::Capture* taken_before = queue_.find(item.before);
     const InsidePictures::Cloud* in = inside_.find(f.objects[item.object].id);
-    const bool has_inside = item.impostor_weight < 1.0F && in != nullptr && in->to;
+    const bool has_inside = in != nullptr && in->to && (item.impostor_weight < 1.0F || cloud.touched);
     const bool has_tight = taken != nullptr && now != pictures_.end();
-    const float tight_weight = has_inside ? item.impostor_weight : 1.0F;
-    if (has_tight && tight_weight > 0.0F && !(has_inside && taken->layers.size() == 1)) {
+    // What is divided by craft cannot be faded layer by layer, for then things would shine through: it is exchanged.
+    const bool single = has_inside && in->to->slabs.size() == 1 && has_tight && taken->layers.size() == 1;
+    float tight_weight = has_inside ? item.impostor_weight : 1.0F;
+    if (!single && has_inside) {
+        tight_weight = tight_weight >= 0.5F && !cloud.touched ? 1.0F : 0.0F;
+    }
+    if (has_tight && tight_weight > 0.0F && !single) {
         for (std::size_t k = taken->layers.size(); k-- > 0;) {
             Fade fade;
             float weight = tight_weight;
             if (taken_before != nullptr && before != pictures_.end() &&
                 taken_before->layers.size() == taken->layers.size()) {
                 fade = {&taken_before->view, corner(before->second.tiles[k]), item.weight};
-            } else { // out of nothing
+            } else if (taken_before == nullptr) { // out of nothing
                 weight *= static_cast<float>(
                     std::clamp((f.now_s - now->second.since_s) / f.scheduler.settings().fade_s, 0.1, 1.0));
             }
             add_layers(*taken, k, now->second.layers[k], corner(now->second.tiles[k]), weight, fade);
         }
-    } else if (!has_tight && taken_before != nullptr && before != pictures_.end()) { // the new one is in the making
+    } else if (!has_tight && tight_weight > 0.0F && taken_before != nullptr &&
+               before != pictures_.end()) { // the new one is in the making
         for (std::size_t k = taken_before->layers.size(); k-- > 0;) {
             add_layers(*taken_before, k, before->second.layers[k], corner(before->second.tiles[k]), tight_weight, {});
         }
     }
-    if (has_inside) {
+    if (!has_inside || (tight_weight >= 1.0F && (has_tight || taken_before != nullptr))) {
+        return;
+    }
+    const InsidePictures::Key& to = *in->to;
+    for (std::size_t k = to.slabs.size(); k-- > 0;) { // from far to near, with the craft between
         Fade fade;
-        float weight = 1.0F;
-        if (tight_weight > 0.0F && has_tight && taken->layers.size() == 1) {
+        if (single && tight_weight > 0.0F) {
             fade = {&taken->view, corner(now->second.tiles[0]), 1.0F - tight_weight};
-        } else if (tight_weight > 0.0F && (has_tight || taken_before != nullptr)) {
-            weight = 1.0F - tight_weight;
-        } else if (in->from && in->weight < 1.0F) {
-            fade = {&in->from->view, glm::vec2(in->from->tile), in->weight};
+        } else if (in->from && in->weight < 1.0F && in->from->slabs.size() == to.slabs.size()) {
+            fade = {&in->from->view, glm::vec2(in->from->tile_of(k)), in->weight};
         }
-        // Its rays end at the craft: it goes in front of all of them.
         DepthPart part{view.frustum.eye_m, view.frustum.forward};
-        for (const Craft& craft : craft_) {
-            const double z = glm::dot(craft.position_m - view.frustum.eye_m, view.frustum.forward);
-            if (z > 0.0) {
-                part.far_m = std::min(part.far_m, std::max(z - static_cast<double>(craft.radius_m), 1.5));
+        const auto depths = [&](const InsidePictures::Cut& cut, double side) {
+            double at = side > 0.0 ? 0.0 : 1e30;
+            for (const std::size_t i : cut.things) {
+                if (i < craft_.size()) {
+                    const double z = glm::dot(craft_[i].position_m - view.frustum.eye_m, view.frustum.forward);
+                    const double reach = z + side * static_cast<double>(craft_[i].radius_m);
+                    at = side > 0.0 ? std::max(at, reach) : std::min(at, reach);
+                }
             }
+            return at;
+        };
+        if (k > 0) {
+            part.near_m = depths(to.cuts[k - 1], 1.0);
         }
-        builder_.add(in->to->mesh, glm::vec2(in->to->tile), weight, fade, craft_.empty() ? nullptr : &part);
+        if (k < to.cuts.size()) {
+            part.far_m = std::max(depths(to.cuts[k], -1.0), 1.5);
+            part.near_m = std::min(part.near_m, part.far_m);
+        }
+        builder_.add(to.slabs[k].mesh, glm::vec2(to.tile_of(k)), 1.0F, fade, to.cuts.empty() ? nullptr : &part);
     }
 }
 

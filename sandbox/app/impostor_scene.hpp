@@ -80,6 +80,7 @@ private:
     void update_craft(Stage& stage);
     void capture(Stage& stage);
     void capture_inside(Stage& stage, std::vector<std::uint64_t>& taken);
+    void add_key(const InsidePictures::Key& key);
     void encode_again(float exposure);
     [[nodiscard]] std::optional<CloudSubject> subject_of(std::uint64_t object) const;
     [[nodiscard]] impostors::Frustum camera_view() const;

@@ -42,7 +42,9 @@ struct CloudSubject {
 // A capture of a cloud that is marched a few rows at a time, slab by slab, and asked for when it is complete.
 class CloudCapture {
 public:
-    CloudCapture(CloudSubject subject, const impostors::Frustum& view, std::span<const double> edges_m)
+    // hidden: what lies behind opaque slabs is marched too, as another eye may see it.
+    CloudCapture(CloudSubject subject, const impostors::Frustum& view, std::span<const double> edges_m,
+                 bool hidden = true)
         : subject_(std::move(subject)), view_(view), edges_m_(edges_m.begin(), edges_m.end()),
           eye_m_(view.eye_m - subject_.offset_m) {
         const auto width = static_cast<std::size_t>(view.width);
@@ -52,6 +54,9 @@ public:
                 view.direction(static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5)));
         }
         slabs_.resize(edges_m_.size() - 1);
+        if (!hidden && slabs_.size() > 1) {
+            through_.assign(per_depth_.size(), 1.0F);
+        }
         for (clouds::Picture& slab : slabs_) {
             slab = clouds::Picture(view.width, view.height);
         }
@@ -86,12 +91,11 @@ public:
             to_.resize(count);
             for (std::size_t i = 0; i < count; ++i) {
                 from_[i] = static_cast<float>(edges_m_[slab_]) * per_depth_[first + i];
-                to_[i] = static_cast<float>(edges_m_[slab_ + 1]) * per_depth_[first + i];
+                const bool opaque = !through_.empty() && through_[first + i] < 2e-3F;
+                to_[i] = opaque ? from_[i] : static_cast<float>(edges_m_[slab_ + 1]) * per_depth_[first + i];
             }
             march.from_m = from_;
             march.scene_depth_m = to_;
-        } else if (!march.scene_depth_m.empty()) { // the subject's own, of the whole picture
-            march.scene_depth_m = march.scene_depth_m.subspan(first, count);
         }
         const clouds::Picture rows_now =
             clouds::march(*subject_.volume, *subject_.lighting, cloud_camera(band, subject_.offset_m), march);
@@ -103,6 +107,9 @@ public:
             slab.depth_m[first + i] = rows_now.depth_m[i];
             slab.spread_m[first + i] = rows_now.spread_m[i];
             seen += rows_now.transmittance[i] < 1.0F ? 1 : 0;
+            if (!through_.empty()) {
+                through_[first + i] *= rows_now.transmittance[i];
+            }
         }
         row_ = end;
         if (row_ == view_.height) {
@@ -138,6 +145,7 @@ private:
     clouds::CloudLighting::ViewFields fields_;
     std::vector<float> per_depth_; // distance over axis depth
     std::vector<float> from_, to_;
+    std::vector<float> through_; // transmittance of the slabs in front
     std::vector<clouds::Picture> slabs_;
     std::size_t slab_ = 0;
     int row_ = 0;
