@@ -43,6 +43,10 @@ public:
     // All clouds where they are drawn: those of layers several times, for layers repeat.
     [[nodiscard]] std::vector<clouds::LitCloud> lit_clouds(const glm::dvec3& around_m) const;
 
+    // Against the stored reference, of the light as it is; none without one, or with the sun elsewhere.
+    void measure_error();
+    [[nodiscard]] const std::optional<clouds::ImageError>& error() const { return error_; }
+
     // The light that the clouds stand in, as of the last update.
     [[nodiscard]] const clouds::CloudSources& sources() const { return sources_; }
 
@@ -62,7 +66,6 @@ private:
     void shade(Stage& stage);
     void measure_sky(const Stage& stage);
     bool shade_layers(const Stage& stage);
-    void measure_error();
     void cover_places(Stage& stage);
     void show(const clouds::Picture& picture, std::uint32_t revision);
 
