@@ -440,6 +440,9 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
         if (shown.before != no_slot && !(fade >= 0.0 && fade < settings_.fade_s)) {
             shown.before = no_slot;
         }
+        // The first half of a fade is left alone: what was renewed there would begin to fade in anew each time, and the
+        // old picture would stay.
+        const bool early = shown.before != no_slot && fade < 0.5 * settings_.fade_s;
         const double distance = glm::length(object.bounds.centre_m - view.eye_m) / object.bounds.radius_m;
         if (distance < settings_.inside_full) {
             shown.last_seen = frame_;
@@ -450,7 +453,7 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
         if (!c.missing && !pending(shown.slot)) {
             c.urgency = urgency(slots_.at(shown.slot), object, view, lights, granted, c.record->detail);
         }
-        if (c.missing || c.urgency > 1.0) { // another view's picture may do
+        if (c.missing || (c.urgency > 1.0 && !early)) { // another view's picture may do
             SlotId best = no_slot;
             double least = c.missing ? infinite : c.urgency;
             for (const SlotId id : c.record->slots) {
@@ -477,8 +480,8 @@ void Scheduler::plan(std::span<const SceneObject> objects, std::span<const Scene
             }
         }
         shown.last_seen = frame_;
-        // In the middle of a fade only what has gone badly wrong is renewed.
-        if (c.missing || c.urgency > (shown.before != no_slot ? 2.0 : settings_.ahead)) {
+        // In the second half only what has gone badly wrong is renewed.
+        if (c.missing || (!early && c.urgency > (shown.before != no_slot ? 2.0 : settings_.ahead))) {
             due.push_back(c);
         }
     }

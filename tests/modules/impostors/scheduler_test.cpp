@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 #include <set>
 #include <vector>
@@ -257,6 +258,35 @@ TEST(Scheduler, CrossFadeIsBoundedInTime) {
     }
     EXPECT_TRUE(faded);
     EXPECT_EQ(scheduler.pictures(), 1U);
+}
+
+// Also where a picture is wrong again before it has faded in: with no tolerance, and with every step of a flight beyond
+// it, what is shown is never older than a fade, and half of it no older than the last whole one.
+TEST(Scheduler, FadesKeepUpWithAFlight) {
+    for (const double tolerance : {0.0, 1e-5, 1e-4}) {
+        World world(1);
+        world.objects[0].bounds = {{0, 4000, 800}, 150.0};
+        world.objects[0].tolerance = {tolerance, tolerance, tolerance, tolerance, tolerance};
+        Scheduler scheduler = make();
+        const double fade_s = scheduler.settings().fade_s;
+        std::map<SlotId, double> taken_s;
+        for (int frame = 0; frame < 180; ++frame) {
+            world.fly({2.0, 0.5, 0.0});
+            world.step(scheduler);
+            for (const CaptureJob& job : world.plan.captures) {
+                taken_s[job.slot] = world.now_s;
+                scheduler.measured(job.slot, {}, glm::vec4(0.5F));
+            }
+            const DrawItem& item = world.plan.draws.at(0);
+            ASSERT_NE(item.slot, no_slot);
+            const auto age = [&](SlotId slot) { return world.now_s - taken_s.at(slot); };
+            EXPECT_LE(age(item.slot), fade_s + 0.02) << frame;
+            if (item.before != no_slot) {
+                EXPECT_LE(age(item.before), 2.0 * fade_s + 0.02) << frame;
+                EXPECT_LE(age(item.weight >= 0.5F ? item.slot : item.before), fade_s + 0.02) << frame;
+            }
+        }
+    }
 }
 
 TEST(Scheduler, LightTurnsAreCapturedByTolerance) {
