@@ -4,9 +4,11 @@
 
 #include "../tests/modules/impostors/blob_cloud.hpp"
 
+#include <alpenglow/core/timing.hpp>
 #include <alpenglow/impostors/error.hpp>
 #include <alpenglow/impostors/reproject.hpp>
 #include <alpenglow/impostors/scheduler.hpp>
+#include <alpenglow/impostors/store.hpp>
 
 #if __has_include(<alpenglow/clouds/march.hpp>) && __has_include(<alpenglow/systems/cloud_impostors.hpp>)
 #define ALPENGLOW_BENCH_REAL_CLOUDS
@@ -407,6 +409,87 @@ const Case real_orbit_case("impostors/real-orbit", [](const Context& context) {
     }
     context.add({"impostors", "cumulus, one picture", "direct march", direct.ns, direct.spread, 0.0,
                  "relative RMSE, cumulus at 4 radii", "itself", 0.0, count});
+});
+
+// A flight past three cumuli, with all tolerances a multiple of the defaults: what a frame costs, what it shows, and
+// how many pictures are used again.
+const Case flight_case("impostors/flight", [](const Context& context) {
+    const test::RealCloud cloud(1, 0);
+    const double radius = cloud.bounds.radius_m;
+    const glm::dvec3 places[] = {radius * glm::dvec3(-2.5, 4.0, 0.3), radius * glm::dvec3(2.0, 6.0, 0.0),
+                                 radius * glm::dvec3(0.5, 9.0, -0.5)};
+    std::vector<Drawable> drawables;
+    for (const glm::dvec3& place : places) {
+        CloudSubject subject{&cloud.volume, &cloud.lighting, place - cloud.bounds.centre_m, {}, 1.0F};
+        subject.march.step_voxels = cloud.step_voxels;
+        subject.march.threads = 1;
+        drawables.push_back(cloud_drawable(subject));
+    }
+    constexpr int width = 320;
+    constexpr int height = 180;
+    const int frames = context.quick() ? 20 : 90;
+    const auto view_at = [&](int frame) {
+        const glm::dvec3 eye = radius * glm::dvec3(0.0, 0.04 * frame, 0.2); // two and a half radii a second
+        return look_at(eye, eye + glm::dvec3(0.0, 1.0, 0.0), {0, 0, 1}, 0.9, width, height);
+    };
+    const auto direct = [&](int frame) {
+        std::vector<glm::vec4> image(static_cast<std::size_t>(width) * height, glm::vec4(0.0F));
+        for (const std::size_t i : {2UL, 1UL, 0UL}) {
+            Frustum view = view_at(frame);
+            view.eye_m -= places[i] - cloud.bounds.centre_m;
+            over(cloud.directly(view, nullptr, 1), image);
+        }
+        return image;
+    };
+    std::vector<std::vector<glm::vec4>> exact;
+    const double start = thread_cpu_seconds();
+    for (int frame = 9; frame < frames; frame += 10) {
+        exact.push_back(direct(frame));
+    }
+    const double direct_s = (thread_cpu_seconds() - start) / static_cast<double>(exact.size());
+    const std::string name = "flight past three cumuli, 320 x 180";
+    for (const double scale : {0.25, 0.5, 1.0, 2.0, 4.0, 16.0}) {
+        std::vector<SceneObject> objects(3);
+        for (std::size_t i = 0; i < objects.size(); ++i) {
+            objects[i].id = i + 1;
+            objects[i].bounds = {places[i], radius};
+            Tolerance& t = objects[i].tolerance;
+            t = {scale * t.angle_rad, scale * t.pixels, scale * t.image, scale * t.light, scale * t.content};
+        }
+        Scheduler scheduler = std::move(Scheduler::create().value());
+        CaptureStore store;
+        Plan plan;
+        std::vector<glm::vec4> image(static_cast<std::size_t>(width) * height);
+        DrawSettings settings;
+        settings.threads = 1;
+        double seen = 0.0;
+        double reused = 0.0;
+        double least = 1e9;
+        double cpu_s = 0.0;
+        for (int frame = 0; frame < frames; ++frame) {
+            const double before = thread_cpu_seconds();
+            const std::vector<SceneView> views{{1, view_at(frame)}};
+            scheduler.plan(objects, views, {}, frame / 60.0, plan);
+            (void)store.carry_out(plan, objects, views, {}, scheduler,
+                                  [&](std::uint64_t id) { return &drawables[static_cast<std::size_t>(id - 1)]; });
+            store.draw_view(plan, 0, objects, views, {}, settings, image);
+            cpu_s += thread_cpu_seconds() - before;
+            if (frame > 0) { // the first has nothing to use again
+                seen += plan.report.seen;
+                reused += plan.report.reused;
+            }
+            if (frame % 10 == 9) {
+                least = std::min(least, test::tone_mapped_psnr(image, exact[static_cast<std::size_t>(frame / 10)]));
+            }
+        }
+        char method[32];
+        std::snprintf(method, sizeof method, "tolerance x %g", scale);
+        context.add({"impostors", name, method, 1e9 * cpu_s / frames, 0.0, least,
+                     "least PSNR in dB of any tenth frame, larger is better", "direct march", 0.0, 1.0});
+        context.add({"impostors", name + ", pictures used again", method, 1e9 * cpu_s / frames, 0.0, reused / seen,
+                     "share of the clouds in a frame", "", 0.0, 1.0});
+    }
+    context.add({"impostors", name, "direct march", 1e9 * direct_s, 0.0, 0.0, "least PSNR", "itself", 0.0, 1.0});
 });
 
 const Case real_metric_case("impostors/real-metric", [](const Context& context) {
