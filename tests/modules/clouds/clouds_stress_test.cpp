@@ -2,6 +2,7 @@
 
 #include <fp_traps.hpp>
 
+#include <alpenglow/clouds/compact.hpp>
 #include <alpenglow/clouds/march.hpp>
 #include <alpenglow/clouds/reference.hpp>
 
@@ -40,8 +41,10 @@ TEST_F(CloudStress, DensitiesAlbedosAndPhasesToTheirEnds) {
                     lighting.reset(volume, {extinction, albedo, {PhaseKind::henyey_greenstein, g, 0, 0}}, settings);
                     lighting.bake_light(0, {test::unit({0.1F, 0.2F, 0.9F}), glm::vec3(1.0F), 0.0F});
                     lighting.bake_sky(SkySh::uniform(glm::vec3(0.5F)));
-                    const Picture picture = march(volume, lighting, look_at({-30, 9, 9}, {9, 9, 9}, 0.3F, 12, 8));
+                    const Camera camera = look_at({-30, 9, 9}, {9, 9, 9}, 0.3F, 12, 8);
+                    const Picture picture = march(volume, lighting, camera);
                     expect_sound(picture);
+                    expect_sound(march(CompactCloud(volume, lighting, camera.position_m), camera));
                     if (albedo == 0.0F) {
                         for (const glm::vec3& c : picture.radiance) {
                             ASSERT_LT(c.x, 1e-5F);
@@ -61,8 +64,9 @@ TEST_F(CloudStress, EmptyOneVoxelAndSparseClouds) {
     wide.brick(249, 249, 249)[511] = 1.0F;
     wide.brick(125, 125, 125)[9] = 1.0F;
     const SparseGrid empty({0, 0, 0}, {0, 0, 0}, {});
+    const SparseGrid tile = test::box_cloud({8, 8, 8}, 0.25F);
     for (const SparseGrid* grid :
-         {static_cast<const SparseGrid*>(&one), static_cast<const SparseGrid*>(&wide), &empty}) {
+         {static_cast<const SparseGrid*>(&one), static_cast<const SparseGrid*>(&wide), &empty, &tile}) {
         const BrickVolume volume(*grid);
         for (const LightingMethod method : methods) {
             LightingSettings settings;
@@ -73,7 +77,9 @@ TEST_F(CloudStress, EmptyOneVoxelAndSparseClouds) {
             lighting.reset(volume, {1.0F, 0.99F, {}}, settings);
             lighting.bake_light(0, {{0, 0, 1}, glm::vec3(1.0F), 0.0F});
             lighting.bake_sky(SkySh::uniform(glm::vec3(1.0F)));
-            expect_sound(march(volume, lighting, look_at({-40, 6, 7}, {5, 6, 7}, 0.1F, 16, 12)));
+            const Camera camera = look_at({-40, 6, 7}, {5, 6, 7}, 0.1F, 16, 12);
+            expect_sound(march(volume, lighting, camera));
+            expect_sound(march(CompactCloud(volume, lighting, camera.position_m), camera));
         }
         ReferenceScene scene;
         scene.grid = grid;
@@ -111,7 +117,79 @@ TEST_F(CloudStress, AwkwardEyesAndSuns) {
         for (const glm::dvec3& eye : eyes) {
             const glm::dvec3 target = eye == centre ? centre + glm::dvec3(1, 0, 0) : centre;
             expect_sound(march(volume, lighting, look_at(eye, target, 0.3F, 16, 9)));
+            expect_sound(march(CompactCloud(volume, lighting, eye), look_at(eye, target, 0.3F, 16, 9)));
         }
+    }
+}
+
+TEST_F(CloudStress, DensitiesOfAGridToTheirEnds) {
+    // Neighbours of 1e-12 and 1e6, and grids of one of them alone.
+    for (const float low : {0.0F, 1e-12F, 1e6F}) {
+        SparseGrid grid = test::box_cloud({12, 12, 12}, 1e-12F);
+        for (int i = 0; i < 1728; ++i) {
+            const int x = i % 12;
+            const int y = i / 12 % 12;
+            const int z = i / 144;
+            const float v = low == 0.0F ? (test::random_at(static_cast<std::uint32_t>(i)) < 0.5F ? 1e-12F : 1e6F) : low;
+            grid.brick(x >> 3, y >> 3, z >> 3)[((z & 7) * 8 + (y & 7)) * 8 + (x & 7)] = v;
+        }
+        const BrickVolume volume(grid);
+        for (const LightingMethod method : methods) {
+            LightingSettings settings;
+            settings.method = method;
+            CloudLighting lighting;
+            lighting.reset(volume, {1.0F, 0.99F, {}}, settings);
+            lighting.bake_light(0, {test::unit({0.3F, 0.2F, 0.9F}), glm::vec3(1.0F), 0.0F});
+            lighting.bake_sky(SkySh::uniform(glm::vec3(1.0F)));
+            for (const glm::dvec3& eye : {glm::dvec3(-30, 5, 6), glm::dvec3(6, 6, 6)}) {
+                const Camera camera = look_at(eye, eye + glm::dvec3(1, 0.1, 0), 0.3F, 12, 8);
+                expect_sound(march(volume, lighting, camera));
+                expect_sound(march(CompactCloud(volume, lighting, eye), camera));
+            }
+        }
+    }
+}
+
+TEST_F(CloudStress, SunsInTheEyeAndBehindIt) {
+    // Exactly along the view and exactly against it, at every peak; a turned and mirrored grid.
+    SparseGrid grid = noise_cloud(64, 20);
+    GridTransform transform;
+    transform.voxel_m = {1.0, 2.0, 0.5};
+    transform.axes = glm::dmat3(glm::dvec3(0.6, 0.8, 0.0), glm::dvec3(0.8, -0.6, 0.0), glm::dvec3(0.0, 0.0, -1.0));
+    transform.origin_m = {-300.0, 1e5, 2.0};
+    grid.set_transform(transform);
+    const BrickVolume volume(grid);
+    const glm::dvec3 centre = transform.world_from_index({10, 10, 10});
+    const glm::vec3 view = test::unit({0.36F, 0.48F, 0.8F});
+    for (const float g : {-0.9999F, -0.5F, 0.0F, 0.85F, 0.9999F}) {
+        for (const LightingMethod method : methods) {
+            LightingSettings settings;
+            settings.method = method;
+            CloudLighting lighting;
+            lighting.reset(volume, {0.2F, 1.0F, {PhaseKind::henyey_greenstein, g, 0, 0}}, settings);
+            lighting.bake_light(0, {view, glm::vec3(1.0F), 0.0F});
+            lighting.bake_light(1, {-view, glm::vec3(1.0F), 0.0F});
+            Camera camera = look_at(centre - 60.0 * glm::dvec3(view), centre, 0.3F, 15, 9);
+            expect_sound(march(volume, lighting, camera));
+            expect_sound(march(CompactCloud(volume, lighting, camera.position_m), camera));
+        }
+    }
+}
+
+TEST_F(CloudStress, TwoHundredCloudsInOnePicture) {
+    const BrickVolume volume(noise_cloud(65, 16));
+    CloudLighting lighting;
+    lighting.reset(volume, {0.3F, 0.99F, {}}, {});
+    lighting.bake_light(0, {test::unit({0.3F, 0.2F, 0.9F}), glm::vec3(1.0F), 0.0F});
+    std::vector<LitCloud> clouds;
+    for (std::uint32_t i = 0; i < 200; ++i) {
+        const glm::dvec3 at(test::random_at(3 * i), test::random_at(3 * i + 1), test::random_at(3 * i + 2));
+        clouds.push_back({&volume, &lighting, (at - 0.5) * 400.0});
+    }
+    for (const glm::dvec3& eye : {glm::dvec3(0.0), glm::dvec3(-900.0, 10.0, 40.0)}) {
+        const Picture picture = march(clouds, look_at(eye, {8, 8, 8}, 0.4F, 24, 16));
+        expect_sound(picture);
+        EXPECT_LT(*std::min_element(picture.transmittance.begin(), picture.transmittance.end()), 0.9F);
     }
 }
 
@@ -121,12 +199,22 @@ TEST_F(CloudStress, EnergyIsNeverMade) {
     const BrickVolume volume(box);
     for (float extinction = 1e-8F; extinction < 2e4F; extinction *= 10.0F) {
         for (const float g : {-0.9F, 0.0F, 0.95F, 0.9999F}) {
-            CloudLighting lighting;
-            lighting.reset(volume, {extinction, 1.0F, {PhaseKind::henyey_greenstein, g, 0, 0}}, {});
-            lighting.bake_sky(SkySh::uniform(glm::vec3(1.0F)));
-            const Picture picture = march(volume, lighting, look_at({-40, 30, 20}, {10, 10, 10}, 0.3F, 16, 12));
-            for (std::size_t i = 0; i < picture.radiance.size(); ++i) {
-                ASSERT_NEAR(picture.radiance[i].x + picture.transmittance[i], 1.0F, 1e-3F) << extinction << " " << g;
+            for (const int factor : {2, 1}) { // the default level and the slower one
+                LightingSettings settings;
+                settings.transport_factor = factor;
+                settings.sweeps = factor == 1 ? 6 : settings.sweeps;
+                CloudLighting lighting;
+                lighting.reset(volume, {extinction, 1.0F, {PhaseKind::henyey_greenstein, g, 0, 0}}, settings);
+                lighting.bake_sky(SkySh::uniform(glm::vec3(1.0F)));
+                const Camera camera = look_at({-40, 30, 20}, {10, 10, 10}, 0.3F, 16, 12);
+                const Picture plain = march(volume, lighting, camera);
+                const Picture compact = march(CompactCloud(volume, lighting, camera.position_m), camera);
+                for (const Picture* picture : {&plain, &compact}) {
+                    for (std::size_t i = 0; i < picture->radiance.size(); ++i) {
+                        ASSERT_NEAR(picture->radiance[i].x + picture->transmittance[i], 1.0F, 1e-3F)
+                            << extinction << " " << g << " " << factor << (picture == &compact ? " compact" : "");
+                    }
+                }
             }
         }
     }

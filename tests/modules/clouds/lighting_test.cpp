@@ -1,5 +1,6 @@
 #include "clouds_test_support.hpp"
 
+#include <alpenglow/clouds/compact.hpp>
 #include <alpenglow/clouds/lighting.hpp>
 #include <alpenglow/clouds/march.hpp>
 #include <alpenglow/clouds/reference.hpp>
@@ -28,13 +29,23 @@ TEST(CloudLighting, AWhiteFurnaceStaysWhiteAtEveryDensity) {
     const BrickVolume volume(grid);
     for (const float extinction : {1e-12F, 1e-3F, 0.3F, 3.0F, 100.0F, 1e6F}) {
         for (const float g : {0.0F, 0.85F}) {
-            CloudLighting lighting;
-            lighting.reset(volume, {extinction, 1.0F, {PhaseKind::henyey_greenstein, g, 0, 0}}, {});
-            lighting.bake_sky(SkySh::uniform(glm::vec3(2.0F)));
-            const Picture picture = picture_of(volume, lighting, {0.0, -1.0, 0.0}, 24, 16);
-            for (std::size_t i = 0; i < picture.radiance.size(); ++i) {
-                ASSERT_NEAR((picture.radiance[i].y + 2.0F * picture.transmittance[i]) / 2.0F, 1.0F, 1e-3F)
-                    << extinction << " " << g;
+            for (const int factor : {2, 1}) { // the default level and the slower one
+                LightingSettings settings;
+                settings.transport_factor = factor;
+                settings.sweeps = factor == 1 ? 6 : settings.sweeps;
+                CloudLighting lighting;
+                lighting.reset(volume, {extinction, 1.0F, {PhaseKind::henyey_greenstein, g, 0, 0}}, settings);
+                lighting.bake_sky(SkySh::uniform(glm::vec3(2.0F)));
+                const Picture plain = picture_of(volume, lighting, {0.0, -1.0, 0.0}, 24, 16);
+                const glm::dvec3 centre = centre_of(volume);
+                const Camera camera = look_at(centre + glm::dvec3(0.0, -80.0, 0.0), centre, 0.3F, 24, 16);
+                const Picture compact = march(CompactCloud(volume, lighting, camera.position_m), camera);
+                for (const Picture* picture : {&plain, &compact}) {
+                    for (std::size_t i = 0; i < picture->radiance.size(); ++i) {
+                        ASSERT_NEAR((picture->radiance[i].y + 2.0F * picture->transmittance[i]) / 2.0F, 1.0F, 1e-3F)
+                            << extinction << " " << g << " " << factor << (picture == &compact ? " compact" : "");
+                    }
+                }
             }
         }
     }
