@@ -69,16 +69,25 @@ void CameraFlight::begin(Stage& stage) {
     if (!flying_) {
         return;
     }
+    Camera& camera = stage.camera;
+    if (set_ && (camera.position_m != set_->position_m || camera.yaw_rad != set_->yaw_rad ||
+                 camera.pitch_rad != set_->pitch_rad)) {
+        flying_ = false; // the player has taken over
+        return;
+    }
     time_s_ += stage.world_dt_s;
     const FlightKey key = flight_at(flight_, time_s_);
-    stage.camera.position_m = key.position_m;
-    stage.camera.yaw_rad = key.yaw_deg * static_cast<float>(degree_rad);
-    stage.camera.pitch_rad = key.pitch_deg * static_cast<float>(degree_rad);
-    stage.camera.turn(0.0F, 0.0F); // brings the yaw into its range
+    camera.position_m = key.position_m;
+    camera.yaw_rad = key.yaw_deg * static_cast<float>(degree_rad);
+    camera.pitch_rad = key.pitch_deg * static_cast<float>(degree_rad);
+    camera.turn(0.0F, 0.0F); // brings the yaw into its range
+    set_ = camera;
 }
 
 void CameraFlight::draw_panel(PanelWriter& panel) {
-    panel.toggle("follow the path (P)", flying_);
+    if (panel.toggle("follow the path (P)", flying_)) {
+        set_.reset();
+    }
 }
 
 bool CameraFlight::press(int key) {
@@ -86,6 +95,7 @@ bool CameraFlight::press(int key) {
         return false;
     }
     flying_ = !flying_;
+    set_.reset();
     return true;
 }
 

@@ -1,6 +1,8 @@
 // Moves the camera along a recorded path, until the player takes over.
 #pragma once
 
+#include <optional>
+
 #include "sandbox/app/part.hpp"
 #include "sandbox/scene/flight_settings.hpp"
 
@@ -9,6 +11,7 @@ namespace alpenglow::sandbox {
 // Where the camera is at a time: a cubic through the keys (Catmull and Rom 1974, tangents by the keys' times).
 [[nodiscard]] FlightKey flight_at(const FlightSettings& flight, double time_s);
 
+// Lets go as soon as somebody else moves or turns the camera.
 class CameraFlight final : public Part {
 public:
     explicit CameraFlight(const FlightSettings& flight) : flight_(flight) {}
@@ -21,6 +24,7 @@ private:
     FlightSettings flight_;
     double time_s_ = 0.0;
     bool flying_ = true;
+    std::optional<Camera> set_; // as the last frame left it
 };
 
 } // namespace alpenglow::sandbox

@@ -173,7 +173,11 @@ SystemReport Game::update_terrain(int height) {
     view.camera_m = camera.position_m;
     view.clip_from_world = frame_.projection * frame_.view;
     view.pixels_per_radian = camera.pixels_per_radian(static_cast<float>(height));
-    return world_->lod->update(view, {});
+    // High above the ground a triangulation lasts longer.
+    LodSettings settings;
+    const float above_m = camera.position_m.z - world_->terrain.height_m(glm::vec2(camera.position_m));
+    settings.move_m = std::clamp(0.01F * above_m, settings.move_m, 30.0F);
+    return world_->lod->update(view, settings);
 }
 
 SystemReport Game::update_shadows() {

@@ -176,6 +176,38 @@ TEST_F(ImpostorSceneTest, AFlightThroughCloudsUsesPicturesAgainWithinItsBudget) 
     EXPECT_GE(reused / seen, 0.95);
 }
 
+// The default scene's walk: gentle, above the ground, and the player's as soon as he moves.
+TEST_F(ImpostorSceneTest, TheCameraFollowsItsPathUntilThePlayerTakesOver) {
+    Scene scene = *load_scene(std::string(default_scene));
+    ASSERT_TRUE(scene.flight);
+    EXPECT_EQ(scene.flight->keys.front().position_m, scene.camera_position_m); // the first picture is the scene's own
+    scene.impostors.reset();
+    scene.probes.reset();
+    scene.transfer.reset();
+    game_->enter(scene);
+    game_->update(0.0, 480, 270);
+    glm::vec3 before = game_->camera.position_m;
+    EXPECT_EQ(before, scene.camera_position_m);
+    for (int frame = 1; frame < 600; ++frame) {
+        game_->update(1.0 / 60.0, 480, 270);
+        const glm::vec3 now = game_->camera.position_m;
+        EXPECT_LT(glm::length(now - before), 2.0F / 60.0F) << frame; // a walk
+        EXPECT_GT(now.z, game_->world().terrain.height_m(glm::vec2(now)) + 1.7F);
+        before = now;
+    }
+    EXPECT_GT(glm::length(before - scene.camera_position_m), 3.0F);
+    game_->camera.turn(0.01F, 0.0F);
+    const float yaw = game_->camera.yaw_rad;
+    update(5);
+    EXPECT_EQ(game_->camera.position_m, before);
+    EXPECT_EQ(game_->camera.yaw_rad, yaw);
+    for (const std::unique_ptr<Part>& part : game_->parts()) {
+        part->press('P');
+    }
+    update(5);
+    EXPECT_NE(game_->camera.position_m, before); // on it goes
+}
+
 TEST(ViewPredictionTest, GoesOnAsBefore) {
     const auto view = [](int frame) {
         return impostors::look_at({3.0 * frame, 2.0 * frame, 100.0},
