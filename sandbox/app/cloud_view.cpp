@@ -79,33 +79,58 @@ const CloudView::Eye& CloudView::eye_for(const clouds::LitCloud& cloud, std::uin
         glm::dvec3(0.0));
     const double distance = glm::length(outside * transform.voxel_m);
     const double allowed = std::max(transform.voxel_m.x, static_cast<double>(settings.eye_turn_rad) * distance);
+    // One a frame, each takes milliseconds; those of a light that was good enough until now can wait.
+    constexpr double while_waiting = 2.0;
+    Eye* waiting = nullptr;
     for (Eye& known : eyes_) {
-        if (known.lighting == cloud.lighting && known.light_revision == light_revision &&
-            glm::length(known.at_m - eye) <= allowed) {
+        const double off = glm::length(known.at_m - eye);
+        if (known.lighting != cloud.lighting || off > while_waiting * allowed) {
+            continue;
+        }
+        if (known.light_revision == light_revision && off <= allowed) {
             known.used = true;
             return known;
         }
+        if (waiting == nullptr || off < glm::length(waiting->at_m - eye)) {
+            waiting = &known;
+        }
     }
+    if (contracted_ && waiting != nullptr) {
+        waiting->used = true;
+        return *waiting;
+    }
+    contracted_ = true;
     eyes_.push_back({cloud.lighting, light_revision, eye,
                      std::make_unique<const clouds::CloudLighting::ViewFields>(cloud.lighting->contract(index)),
                      next_revision(), true});
     return eyes_.back();
 }
 
-void CloudView::start(const CloudsInView& view) {
-    job_.clouds = view.clouds;
-    job_.fields.clear();
-    job_.fields_revisions.clear();
-    job_.time_s = view.time_s;
+bool CloudView::look(const CloudsInView& view) {
+    contracted_ = false;
     for (Eye& eye : eyes_) {
         eye.used = false;
     }
+    job_.fields.clear();
+    job_.fields_revisions.clear();
+    bool newest = true;
     for (const clouds::LitCloud& cloud : view.clouds) {
         const Eye& eye = eye_for(cloud, view.light_revision);
         job_.fields.push_back(eye.fields.get());
         job_.fields_revisions.push_back(eye.revision);
+        newest = newest && eye.light_revision == view.light_revision;
     }
-    std::erase_if(eyes_, [](const Eye& eye) { return !eye.used; });
+    std::erase_if(eyes_, [&](const Eye& eye) {
+        return !eye.used &&
+               std::find(shown_fields_.begin(), shown_fields_.end(), eye.fields.get()) == shown_fields_.end();
+    });
+    return newest;
+}
+
+void CloudView::start(const CloudsInView& view) {
+    job_.clouds = view.clouds;
+    job_.time_s = view.time_s;
+    job_.light_revision = view.light_revision;
     job_.picture = settings.on_device ? clouds::Picture() : clouds::Picture(camera_.width, camera_.height);
     job_.rows_done = 0;
     job_.running = true;
@@ -186,7 +211,7 @@ clouds::Picture CloudView::full_picture() const {
 void CloudView::hand_over() {
     std::vector<MarchedCloud> marched;
     for (std::size_t i = 0; i < job_.clouds.size(); ++i) {
-        marched.push_back({job_.clouds[i], job_.fields[i], light_revision_, job_.fields_revisions[i]});
+        marched.push_back({job_.clouds[i], job_.fields[i], job_.light_revision, job_.fields_revisions[i]});
     }
     tables_.update(marched, camera_, march_settings());
 }
@@ -194,6 +219,7 @@ void CloudView::hand_over() {
 void CloudView::finish() {
     std::swap(picture_, job_.picture);
     shown_time_s_ = job_.time_s;
+    light_revision_ = job_.newest ? job_.light_revision : 0;
     shown_on_device_ = settings.on_device;
     shown_ = std::move(job_.clouds);
     shown_fields_ = std::move(job_.fields);
@@ -232,26 +258,27 @@ std::size_t CloudView::update(const CloudsInView& view, const Camera& camera, in
     has_last_camera_ = true;
     const int divisor = moving && !settings.on_device ? settings.moving_divisor : settings.still_divisor;
     const clouds::Camera wanted = cloud_camera(camera, width, height, divisor);
-    const bool anew = divisor != divisor_ || !same(wanted, camera_) || view.light_revision != light_revision_ ||
-                      revision_ == 0 || moved_m(shown_, view.clouds) > 1e20 || settings.on_device != shown_on_device_;
+    const bool anew = divisor != divisor_ || !same(wanted, camera_) || revision_ == 0 ||
+                      moved_m(shown_, view.clouds) > 1e20 || settings.on_device != shown_on_device_;
     if (anew) {
         divisor_ = divisor;
         camera_ = wanted;
-        light_revision_ = view.light_revision;
         landscape_distance(camera_, view.terrain_vertices, view.terrain_indices, landscape_m_);
-    } else if (!job_.running) {
+    } else if (!job_.running && view.light_revision == light_revision_) {
         const float pixel_m = 2.0F * camera_.tan_half_height / static_cast<float>(camera_.height) * nearest_m_;
         if (drift_m(view) <= static_cast<double>(settings.drift_pixels * pixel_m)) {
             return 0;
         }
     }
     if (anew || !job_.running) {
+        job_.newest = look(view);
+        if (!anew && !job_.newest) {
+            return 1; // the new light's fields are being made: what is shown was good enough until now
+        }
         start(view);
     }
     std::size_t rays = 0;
-    const bool from_last = anew && moving && settings.moving_lattice > 1 &&
-                           view.light_revision == shown_light_revision_ && picture_.width > 0 && !shown_on_device_;
-    shown_light_revision_ = view.light_revision;
+    const bool from_last = anew && moving && settings.moving_lattice > 1 && picture_.width > 0 && !shown_on_device_;
     if (settings.on_device) {
         hand_over();
         rays = static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height);

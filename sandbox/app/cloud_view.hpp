@@ -63,11 +63,15 @@ private:
         std::vector<const clouds::CloudLighting::ViewFields*> fields; // of `eyes_`
         std::vector<std::uint32_t> fields_revisions;
         double time_s = 0.0;
+        std::uint32_t light_revision = 0;
+        bool newest = false; // the fields are those of that light
         clouds::Picture picture;
         int rows_done = 0;
         bool reprojected = false;
         bool running = false;
     };
+    // The fields for the clouds in view, of the light as it is where that needs no waiting; whether all are.
+    bool look(const CloudsInView& view);
     void start(const CloudsInView& view);
     // Rows up to `until`; returns the rays marched.
     std::size_t march_rows(int until);
@@ -89,7 +93,8 @@ private:
     const Eye& eye_for(const clouds::LitCloud& cloud, std::uint32_t light_revision);
 
     std::vector<Eye> eyes_;
-    clouds::Camera camera_; // of the picture and of the job
+    bool contracted_ = false; // in this frame
+    clouds::Camera camera_;   // of the picture and of the job
     int divisor_ = 0;
     std::vector<float> landscape_m_, some_landscape_m_;
     clouds::Picture picture_;
@@ -103,8 +108,7 @@ private:
     std::vector<float> shown_landscape_m_; // likewise
     CloudTables tables_;
     float nearest_m_ = 1e30F;
-    std::uint32_t light_revision_ = 0;
-    std::uint32_t shown_light_revision_ = 0;
+    std::uint32_t light_revision_ = 0; // of the picture; 0: some of it is older
     std::uint32_t revision_ = 0;
     Job job_;
     Camera last_camera_;
