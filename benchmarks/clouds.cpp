@@ -360,6 +360,12 @@ const Case bake_case("clouds/bake", [](const Context& context) {
         row.method = "transport: sky, cold" + grid;
         row.error = double(lighting.bake_sky(SkySh::uniform(glm::vec3(1.0F)), false).residual);
         add(context, row, [&] { lighting.bake_sky(SkySh::uniform(glm::vec3(1.0F)), false); });
+        row.method = "transport: sun and sky side by side, cold" + grid;
+        add(context, row, [&] {
+            lighting.start_light(0, s.sun, false);
+            lighting.start_sky(SkySh::uniform(glm::vec3(1.0F)), false);
+            lighting.finish();
+        });
         row.method = "transport: turning sun, one warm sweep" + grid;
         row.error = double(lighting.bake_light(0, s.sun).residual);
         add(context, row, [&] { lighting.bake_light(0, s.sun); });

@@ -126,13 +126,24 @@ BakeStats CloudLighting::bake_light(std::size_t i, const DirectionalLight& light
 BakeStats CloudLighting::finish() {
     BakeStats stats;
     const double start = process_cpu_seconds();
-    while (!jobs_->queue.empty()) {
-        Jobs::Item& item = jobs_->queue.front();
-        item.job.run();
+    std::deque<Jobs::Item>& queue = jobs_->queue;
+    // A job alone has two threads for its sweeps, and one for what lies between them; several have one each.
+    if (queue.size() == 1) {
+        queue.front().job.run();
+    } else {
+        parallel_for(queue.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                while (!queue[i].job.done()) {
+                    queue[i].job.advance();
+                }
+            }
+        });
+    }
+    for (const Jobs::Item& item : queue) {
         stats.residual = std::max(stats.residual, item.job.change());
         (item.sky ? sky_[item.index] : lights_[item.index].moments) = item.job.moments();
-        jobs_->queue.pop_front();
     }
+    queue.clear();
     stats.transport_s = process_cpu_seconds() - start;
     return stats;
 }

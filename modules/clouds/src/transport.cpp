@@ -499,19 +499,17 @@ void Transport::p1_correct(Scratch& scratch, const std::vector<float>& source0, 
     const auto driven = [&](std::size_t i, std::size_t j, int a) {
         return (source1[i][a] + source1[j][a]) / (transport_[i] + transport_[j]);
     };
-    for (int z = 0; z < n.z; ++z) {
-        for (int y = 0; y < n.y; ++y) {
-            for (int x = 0; x < n.x; ++x) {
-                const std::size_t i = std::size_t(z) * strides[2] + std::size_t(y) * strides[1] + std::size_t(x);
-                const int c[3] = {x, y, z};
-                for (int a = 0; a < 3; ++a) {
-                    if (c[a] + 1 < n[a]) {
-                        const std::size_t j = i + strides[a];
-                        const float f = driven(i, j, a) / block_m_[a];
-                        rhs[l.pad + i] -= f;
-                        rhs[l.pad + j] += f;
-                    }
-                }
+    // Cells with a source have active neighbours only: no face is missed.
+    for (const std::int32_t cell : cell_of_) {
+        const auto i = static_cast<std::size_t>(cell);
+        const int c[3] = {static_cast<int>(i % strides[1]), static_cast<int>(i / strides[1] % std::size_t(n.y)),
+                          static_cast<int>(i / strides[2])};
+        for (int a = 0; a < 3; ++a) {
+            if (c[a] + 1 < n[a]) {
+                const std::size_t j = i + strides[a];
+                const float f = driven(i, j, a) / block_m_[a];
+                rhs[l.pad + i] -= f;
+                rhs[l.pad + j] += f;
             }
         }
     }

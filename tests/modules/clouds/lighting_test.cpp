@@ -206,6 +206,35 @@ TEST(CloudLighting, EnergyIsConserved) {
     }
 }
 
+TEST(CloudLighting, BakesSideBySideAreBakesOneAfterTheOther) {
+    const SparseGrid grid = noise_cloud(47, 32);
+    const BrickVolume volume(grid);
+    const DirectionalLight sun{test::unit({0.2F, 0.5F, 0.7F}), glm::vec3(9.0F, 8.0F, 7.0F), 0.0F};
+    const DirectionalLight moon{test::unit({-0.7F, 0.1F, 0.4F}), glm::vec3(0.1F, 0.1F, 0.2F), 0.0F};
+    SkySh sky = SkySh::uniform(glm::vec3(0.3F, 0.5F, 1.0F));
+    sky.bands = 2;
+    sky.coefficients[2] = glm::vec3(0.3F, 0.1F, 0.2F);
+    CloudLighting apart;
+    apart.reset(volume, {0.4F, 0.99F, {}}, {});
+    apart.bake_light(0, sun, false);
+    apart.bake_light(1, moon, false);
+    apart.bake_sky(sky, false);
+    CloudLighting together;
+    together.reset(volume, {0.4F, 0.99F, {}}, {});
+    together.start_light(0, sun, false);
+    together.start_light(1, moon, false);
+    together.start_sky(sky, false);
+    EXPECT_TRUE(together.working());
+    EXPECT_GT(together.finish().residual, 0.0F);
+    EXPECT_FALSE(together.working());
+    EXPECT_EQ(together.finish().residual, 0.0F); // nothing left
+    const Picture a = picture_of(volume, apart, {0.6, -0.8, 0.0}, 24, 16);
+    const Picture b = picture_of(volume, together, {0.6, -0.8, 0.0}, 24, 16);
+    for (std::size_t i = 0; i < a.radiance.size(); ++i) {
+        ASSERT_EQ(a.radiance[i], b.radiance[i]);
+    }
+}
+
 TEST(CloudLighting, AWarmBakeForgetsWhereItCameFrom) {
     const SparseGrid grid = noise_cloud(46, 32);
     const BrickVolume volume(grid);

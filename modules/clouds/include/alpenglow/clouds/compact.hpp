@@ -105,7 +105,7 @@ struct CompactSettings {
     float density_error = 1.0F / 24.0F;
     // Of an optical depth where the beam is not dimmed. At a depth tau it may grow by exp(3/4 tau) (scaled extinction):
     // so much less light is there.
-    float depth_error = 1.0F / 30.0F;
+    float depth_error = 1.0F / 28.0F;
     // Of multiply scattered light and skylight, over itself, or over a twentieth of the greatest where that is more.
     float light_error = 1.0F / 48.0F;
 };

@@ -70,6 +70,9 @@ public:
     BakeStats start_light(std::size_t i, const DirectionalLight& light, bool warm = true);
     void start_sky(const SkySh& sky, bool warm = true);
     bool advance();
+    // Does the rest of the queue at once, jobs side by side: several lights and the sky started, then finished, take
+    // less time on two threads than one bake after the other. The bits are the same.
+    BakeStats finish();
     [[nodiscard]] bool working() const;
     [[nodiscard]] bool working_on_light(std::size_t i) const;
     [[nodiscard]] bool working_on_sky() const;
@@ -106,7 +109,6 @@ private:
     [[nodiscard]] ViewFields contract(const glm::dvec3* eye) const;
     struct Jobs;
     void bake_sky_directly(const SkySh& sky);
-    BakeStats finish();
     const BrickVolume* volume_ = nullptr;
     Medium medium_;
     LightingSettings settings_;
