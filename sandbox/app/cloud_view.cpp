@@ -24,6 +24,12 @@ bool same(const clouds::Camera& a, const clouds::Camera& b) {
            a.tan_half_height == b.tan_half_height && a.width == b.width && a.height == b.height;
 }
 
+// Of pictures of one view in different resolutions.
+bool same_place(const clouds::Camera& a, const clouds::Camera& b) {
+    return a.position_m == b.position_m && a.forward == b.forward && a.up == b.up &&
+           std::abs(a.tan_half_height - b.tan_half_height) < 0.1F * a.tan_half_height;
+}
+
 // The largest way that a cloud has moved between two states; infinite where they are not the same clouds.
 double moved_m(std::span<const clouds::LitCloud> a, std::span<const clouds::LitCloud> b) {
     if (a.size() != b.size()) {
@@ -225,6 +231,7 @@ void CloudView::finish() {
     shown_fields_ = std::move(job_.fields);
     reprojected_ = job_.reprojected;
     shown_camera_ = camera_;
+    shown_divisor_ = divisor_;
     shown_landscape_m_ = landscape_m_;
     job_ = {};
     job_.time_s = shown_time_s_;
@@ -260,6 +267,9 @@ std::size_t CloudView::update(const CloudsInView& view, const Camera& camera, in
     const clouds::Camera wanted = cloud_camera(camera, width, height, divisor);
     const bool anew = divisor != divisor_ || !same(wanted, camera_) || revision_ == 0 ||
                       moved_m(shown_, view.clouds) > 1e20 || settings.on_device != shown_on_device_;
+    // A camera that has come to rest looks at the moving one's last picture until its own is made.
+    const bool at_once = anew && (moving || settings.on_device || shown_on_device_ || picture_.width == 0 ||
+                                  !same_place(wanted, shown_camera_));
     if (anew) {
         divisor_ = divisor;
         camera_ = wanted;
@@ -286,7 +296,7 @@ std::size_t CloudView::update(const CloudsInView& view, const Camera& camera, in
         rays = march_some();
     } else {
         const int rows = (camera_.height + settings.spread_frames - 1) / std::max(1, settings.spread_frames);
-        rays = march_rows(anew ? camera_.height : job_.rows_done + rows);
+        rays = march_rows(at_once ? camera_.height : job_.rows_done + rows);
     }
     if (settings.on_device || job_.rows_done >= camera_.height) {
         finish();

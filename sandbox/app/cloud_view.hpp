@@ -51,9 +51,9 @@ public:
     // Whether the picture has rays of earlier ones, and the picture of the same view that has not.
     [[nodiscard]] bool reprojected() const { return reprojected_; }
     [[nodiscard]] clouds::Picture full_picture() const;
-    [[nodiscard]] const clouds::Camera& camera() const { return camera_; }
-    [[nodiscard]] const std::vector<float>& landscape_m() const { return landscape_m_; }
-    [[nodiscard]] float scale() const { return static_cast<float>(divisor_); }
+    [[nodiscard]] const clouds::Camera& camera() const { return shown_camera_; } // of the picture
+    [[nodiscard]] const std::vector<float>& landscape_m() const { return shown_landscape_m_; }
+    [[nodiscard]] float scale() const { return static_cast<float>(shown_divisor_); }
     [[nodiscard]] std::uint32_t revision() const { return revision_; } // next_revision() of the last picture
 
 private:
@@ -94,7 +94,7 @@ private:
 
     std::vector<Eye> eyes_;
     bool contracted_ = false; // in this frame
-    clouds::Camera camera_;   // of the picture and of the job
+    clouds::Camera camera_;   // of the job, and of the picture once it is done
     int divisor_ = 0;
     std::vector<float> landscape_m_, some_landscape_m_;
     clouds::Picture picture_;
@@ -105,6 +105,7 @@ private:
     bool reprojected_ = false;
     int turn_ = 0;                         // of lattice_of()
     clouds::Camera shown_camera_;          // of picture_
+    int shown_divisor_ = 1;                // likewise
     std::vector<float> shown_landscape_m_; // likewise
     CloudTables tables_;
     float nearest_m_ = 1e30F;

@@ -119,6 +119,30 @@ TEST_F(CloudSceneTest, WhereTheTablesDoNotFitTheCpuMarchesAndTheMessageSaysSo) {
     game_->quality = Quality::lean;
 }
 
+// The picture of a moving camera stays until that of the resting one is there, which takes some frames.
+TEST_F(CloudSceneTest, ACameraThatComesToRestGetsItsPictureInPieces) {
+    game_->enter(cloudy());
+    update(0.0);
+    const int still = game_->frame().clouds->width;
+    for (int frame = 0; frame < 3; ++frame) {
+        game_->camera.position_m.x += 3.0F;
+        update(1.0 / 60.0);
+    }
+    const int moving = game_->frame().clouds->width;
+    EXPECT_LT(moving, still);
+    int frames = 0;
+    while (game_->frame().clouds->width == moving && frames < 100) {
+        update(1.0 / 60.0);
+        const CloudRenderData& clouds = *game_->frame().clouds;
+        ASSERT_EQ(clouds.transmittance.size(), std::size_t(clouds.width) * std::size_t(clouds.height));
+        ASSERT_EQ(clouds.landscape_m.size(), clouds.transmittance.size());
+        ++frames;
+    }
+    EXPECT_EQ(game_->frame().clouds->width, still);
+    EXPECT_GT(frames, 5);
+    EXPECT_LT(frames, 20);
+}
+
 // What is finer than a voxel changes with time alone: pictures, but neither light nor shadow.
 TEST_F(CloudSceneTest, DetailReshapesCloudsWithoutLight) {
     Scene scene = cloudy(1.0);
