@@ -51,54 +51,76 @@ TEST(CloudLighting, AWhiteFurnaceStaysWhiteAtEveryDensity) {
     }
 }
 
-TEST(CloudLighting, TransportIsCloseToThePathTracerFromAllSides) {
-    // A cloud of 24 mean free paths a side seen from three sides, and under the sky.
+// A cloud of 24 mean free paths a side seen from three sides, and under the sky.
+class CloudAccuracy : public ::testing::TestWithParam<Medium> {};
+
+TEST_P(CloudAccuracy, TransportIsCloseToThePathTracerFromAllSides) {
     const SparseGrid grid = noise_cloud(42, 40);
     const BrickVolume volume(grid);
-    const Medium medium{1.0F, 0.99F, {PhaseKind::henyey_greenstein, 0.6F, 0, 0}};
-    const glm::vec3 to_sun = test::unit({0.0F, 0.8F, 0.5F});
-    CloudLighting lighting;
-    lighting.reset(volume, medium, {});
+    const Medium medium = GetParam();
+    const DirectionalLight sun{test::unit({0.0F, 0.8F, 0.5F}), glm::vec3(1.0F), 0.0F};
+    struct Level {
+        int factor;
+        int sweeps;
+        double rmse;
+    };
+    constexpr Level levels[] = {{2, 4, 0.10}, {1, 6, 0.05}}; // the default and the slower one
+    CloudLighting lit[2];
+    CloudLighting under_sky[2];
+    for (std::size_t i = 0; i < 2; ++i) {
+        LightingSettings settings;
+        settings.transport_factor = levels[i].factor;
+        settings.sweeps = levels[i].sweeps;
+        lit[i].reset(volume, medium, settings);
+        lit[i].bake_light(0, sun);
+        under_sky[i].reset(volume, medium, settings);
+        under_sky[i].bake_sky(SkySh::uniform(glm::vec3(1.0F)));
+    }
     for (int view = 0; view < 4; ++view) {
         const glm::dvec3 eye[] = {{1.0, 0.0, 0.1}, {0.2, 0.9, 0.3}, {0.1, -0.9, 0.1}, {-0.7, 0.7, -0.1}};
         ReferenceScene scene;
         scene.grid = &grid;
         scene.medium = medium;
         if (view < 3) {
-            scene.lights = {{to_sun, glm::vec3(1.0F), 0.0F}};
-            lighting.bake_light(0, scene.lights[0]);
+            scene.lights = {sun};
         } else {
             scene.sky = [](const glm::vec3&) { return glm::vec3(1.0F); };
-            lighting.remove_lights(0);
-            lighting.bake_sky(SkySh::uniform(glm::vec3(1.0F)));
         }
         const glm::dvec3 centre = centre_of(volume);
         const Camera camera = look_at(centre + eye[view] * 80.0, centre, 0.3F, 24, 16);
         ReferenceImage truth(24, 16);
-        PathTracer(std::move(scene)).render(camera, truth, 0, 512);
+        PathTracer(std::move(scene)).render(camera, truth, 0, 1024);
         Camera fine = camera;
         fine.width *= 4;
         fine.height *= 4;
-        const Picture picture = march(volume, lighting, fine);
-        std::vector<glm::vec3> image(24 * 16, glm::vec3(0.0F));
-        std::vector<float> clear(image.size(), 0.0F);
-        for (int y = 0; y < fine.height; ++y) {
-            for (int x = 0; x < fine.width; ++x) {
-                const std::size_t from = std::size_t(y) * 96 + std::size_t(x);
-                const std::size_t to = std::size_t(y / 4) * 24 + std::size_t(x / 4);
-                image[to] += (picture.radiance[from] + (view == 3 ? picture.transmittance[from] : 0.0F)) / 16.0F;
-                clear[to] += picture.transmittance[from] / 16.0F;
+        for (std::size_t i = 0; i < 2; ++i) {
+            const Picture picture = march(volume, view < 3 ? lit[i] : under_sky[i], fine);
+            std::vector<glm::vec3> image(24 * 16, glm::vec3(0.0F));
+            std::vector<float> clear(image.size(), 0.0F);
+            for (int y = 0; y < fine.height; ++y) {
+                for (int x = 0; x < fine.width; ++x) {
+                    const std::size_t from = std::size_t(y) * 96 + std::size_t(x);
+                    const std::size_t to = std::size_t(y / 4) * 24 + std::size_t(x / 4);
+                    image[to] += (picture.radiance[from] + (view == 3 ? picture.transmittance[from] : 0.0F)) / 16.0F;
+                    clear[to] += picture.transmittance[from] / 16.0F;
+                }
             }
+            std::vector<bool> mask;
+            for (const float t : clear) {
+                mask.push_back(t < 0.99F);
+            }
+            const ImageError error = image_error(image, truth, mask);
+            EXPECT_LT(error.relative_rmse, view == 3 ? 0.03 : levels[i].rmse) << view << " level " << i;
+            EXPECT_LT(std::abs(error.bias), 0.03 + 2.0 * error.noise / std::sqrt(double(image.size())))
+                << view << " level " << i;
         }
-        std::vector<bool> mask;
-        for (const float t : clear) {
-            mask.push_back(t < 0.99F);
-        }
-        const ImageError error = image_error(image, truth, mask);
-        EXPECT_LT(error.relative_rmse, view == 3 ? 0.08 : 0.12) << view;
-        EXPECT_LT(std::abs(error.bias), 0.05 + 2.0 * error.noise / std::sqrt(double(image.size()))) << view;
     }
 }
+
+INSTANTIATE_TEST_SUITE_P(Media, CloudAccuracy,
+                         ::testing::Values(Medium{1.0F, 0.99F, {PhaseKind::henyey_greenstein, 0.6F, 0, 0}},
+                                           Medium{1.0F, 0.9F, {PhaseKind::henyey_greenstein, 0.0F, 0, 0}},
+                                           Medium{1.0F, 1.0F, {PhaseKind::henyey_greenstein, 0.85F, 0, 0}}));
 
 TEST(CloudLighting, LightAddsUpAndScales) {
     const SparseGrid grid = noise_cloud(43, 32);
