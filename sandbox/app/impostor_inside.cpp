@@ -135,6 +135,7 @@ bool InsidePictures::begin(Cloud& cloud, const Wanted& wanted, const impostors::
         edges.push_back(cut.at_m);
     }
     edges.push_back(1e6);
+    cloud.next_units = WorkCost::picture;
     cloud.next = Key{};
     cloud.next.view = wide;
     cloud.next.tile = *tile;
@@ -174,20 +175,26 @@ double InsidePictures::update(std::span<const Wanted> wanted, const impostors::F
     const double downscale = std::max(kLeastDownscale, std::sqrt(pixels / kTexels));
     const double key_units =
         WorkCost::picture + WorkCost::inside_seen_texel * pixels / (downscale * downscale) * (1.0 + 4.0 * kMargin);
-    const auto count = static_cast<double>(wanted.size());
-    const int period =
-        std::clamp(static_cast<int>(std::ceil(count * key_units / std::max(units, 1.0))), kShortest, kLongest);
+    // As long as keys take within the budget, by what the last ones took.
+    double needed = 0.0;
+    for (const Wanted& w : wanted) {
+        const Cloud* cloud = find(w.object);
+        needed += cloud != nullptr && cloud->units > 0.0 ? cloud->units : key_units;
+    }
+    const int period = std::clamp(
+        static_cast<int>(std::ceil(needed / std::max(units, 1.0))) + (wanted.size() > 1 ? 1 : 0), kShortest, kLongest);
     double spent = 0.0;
+    bool begun = false;
     for (const Wanted& w : wanted) {
         Cloud& cloud = clouds_[w.object];
         ++cloud.since;
         const bool lost = cloud.to && !covers(cloud.to->view, view, kSlack);
-        if (lost || (!cloud.to && w.at_once)) { // a coarse one now
-            if (begin(cloud, w, view, 0, 2.0 * downscale, strip, subject, cuts)) {
+        if ((lost || (!cloud.to && w.at_once)) && spent < units) { // a coarse one now
+            if (begin(cloud, w, view, 0, 3.0 * downscale, strip, subject, cuts)) {
                 while (!cloud.march->done()) {
                     const std::size_t before = cloud.march->texels_left();
                     const auto seen = static_cast<double>(cloud.march->march(cloud.next.view.height));
-                    spent += work_of(seen, static_cast<double>(before));
+                    spent += work_of(seen, static_cast<double>(before - cloud.march->texels_left()));
                 }
                 cloud.next.coarse = true;
                 finish(cloud, taken, w.object);
@@ -206,8 +213,9 @@ double InsidePictures::update(std::span<const Wanted> wanted, const impostors::F
             const impostors::Frustum then = prediction_.after(ahead);
             const bool holds = cloud.to && !cloud.to->coarse && cloud.to->content == w.content &&
                                same_view(cloud.to->view, impostors::screen_aligned(then, downscale, kMargin));
-            if (!holds && begin(cloud, w, then, ahead, downscale, strip, subject, cuts)) {
+            if (!holds && !begun && begin(cloud, w, then, ahead, downscale, strip, subject, cuts)) {
                 spent += WorkCost::picture;
+                begun = true; // one a frame: each costs its fields at once
                 if (!cloud.to) {
                     cloud.period = period;
                     cloud.since = 0;
@@ -223,7 +231,12 @@ double InsidePictures::update(std::span<const Wanted> wanted, const impostors::F
             const int rows = std::clamp((rows_left + frames_left - 1) / frames_left, 1,
                                         std::max(1, (height + kShortest - 1) / kShortest));
             const auto seen = static_cast<double>(cloud.march->march(rows));
-            spent += work_of(seen, static_cast<double>(before - cloud.march->texels_left()));
+            const double work = work_of(seen, static_cast<double>(before - cloud.march->texels_left()));
+            cloud.next_units += work;
+            spent += work;
+            if (cloud.march->done()) {
+                cloud.units = cloud.next_units;
+            }
         }
         cloud.weight = cloud.from
                            ? std::clamp(static_cast<float>(cloud.since) / static_cast<float>(std::max(cloud.period, 1)),

@@ -68,8 +68,9 @@ public:
         friend class InsidePictures;
         std::optional<CloudCapture> march;
         Key next;
-        int since = 0;  // frames since `to` came
-        int period = 0; // frames from one key to the next
+        double units = 0.0, next_units = 0.0; // of work, on the last key that was marched whole and on `next`
+        int since = 0;                        // frames since `to` came
+        int period = 0;                       // frames from one key to the next
     };
     struct Wanted {
         std::uint64_t object = 0;

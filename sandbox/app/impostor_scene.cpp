@@ -28,12 +28,13 @@ constexpr float kUsual_m = 620.0F;
 constexpr float kExtinction_per_m = 0.12F; // of a cloud of this size; others are as thick
 constexpr float kDetailCells = 1.6F;       // of the texture a voxel
 constexpr int kAtlasSide = 2048;
-constexpr double kInsideCut_m = 60.0;
+constexpr double kInsideCut_m = 60.0; // craft so close together make one cut of a screen-aligned picture,
+constexpr double kNearCut_m = 25.0;   // the nearest of them
 constexpr double kTouchedRadii = 2.2;
-constexpr int kStrip = 1536;         // rows below the atlas, for screen-aligned pictures; below them the direct one
+constexpr int kStrip = 1600;         // rows below the atlas, for screen-aligned pictures; below them the direct one
 constexpr double kAround = 1.3;      // radii: clouds so near are marched by themselves
 constexpr double kMargin = 0.08;     // of the view, where pictures are taken before they are seen
-constexpr double kInsideShare = 0.6; // of the budget
+constexpr double kInsideShare = 0.5; // of the budget
 constexpr double kLead = 10.0;       // frames before a cloud is entered
 constexpr double kSpread = 3.0;
 constexpr int kDividedLayers = 3;
@@ -325,7 +326,7 @@ void ImpostorScene::capture_inside(Stage& stage, std::vector<std::uint64_t>& tak
         std::sort(depths.begin(), depths.end());
         double first = -1e9;
         for (const auto& [z, i] : depths) {
-            if (z - first > kInsideCut_m) {
+            if (z - first > (all.size() < 2 ? kNearCut_m : kInsideCut_m)) {
                 first = z;
                 all.emplace_back();
             }

@@ -208,6 +208,29 @@ TEST_F(ImpostorSceneTest, TheCameraFollowsItsPathUntilThePlayerTakesOver) {
     EXPECT_NE(game_->camera.position_m, before); // on it goes
 }
 
+// A window that changes its size in the middle of a cloud, and a jump to another one.
+TEST_F(ImpostorSceneTest, AResizeAndAJumpAreShownAtOnce) {
+    game_->enter(*load_scene("fly-through"));
+    update(60);
+    for (const glm::ivec2 size : {glm::ivec2(640, 200), glm::ivec2(97, 331), glm::ivec2(480, 270)}) {
+        for (int i = 0; i < 12; ++i) {
+            game_->update(1.0 / 60.0, size.x, size.y);
+            EXPECT_FALSE(drawn().indices.empty());
+            for (const ImpostorTile& tile : drawn().tiles) {
+                EXPECT_LE(tile.x + tile.width, drawn().atlas_width);
+                EXPECT_LE(tile.y + tile.height, drawn().atlas_height);
+                EXPECT_EQ(tile.texels.size(),
+                          static_cast<std::size_t>(tile.width) * static_cast<std::size_t>(tile.height));
+            }
+        }
+    }
+    game_->camera.position_m += glm::vec3(2000.0F, 1500.0F, 0.0F); // the player's doing: the path lets go
+    game_->camera.turn(2.0F, 0.1F);
+    update(30);
+    EXPECT_EQ(part().schedule().unserved, 0U);
+    EXPECT_FALSE(drawn().indices.empty());
+}
+
 TEST(ViewPredictionTest, GoesOnAsBefore) {
     const auto view = [](int frame) {
         return impostors::look_at({3.0 * frame, 2.0 * frame, 100.0},
