@@ -402,13 +402,17 @@ CompactField compact(const Field16& field, const std::vector<std::uint8_t>& used
 } // namespace
 
 CompactField::CompactField(const glm::vec3& origin, int factor, const glm::ivec3& extent, bool squared,
-                           const Fill& fill)
+                           const Fill& fill, const BrickTable* where)
     : origin_(origin), factor_(factor), squared_(squared), bricks_in_(extent) {
     nodes_ = (extent + 7) / 8;
     node_.resize(std::size_t(nodes_.x) * std::size_t(nodes_.y) * std::size_t(nodes_.z));
     constexpr std::size_t node_bricks = 512;
     std::vector<Packed> packed(node_bricks);
+    assert(where == nullptr || where->bricks() == extent);
     for (std::size_t n = 0; n < node_.size(); ++n) {
+        if (where != nullptr && where->node_table()[n] < 0) {
+            continue;
+        }
         const glm::ivec3 corner(static_cast<int>(n % std::size_t(nodes_.x)),
                                 static_cast<int>(n / std::size_t(nodes_.x) % std::size_t(nodes_.y)),
                                 static_cast<int>(n / (std::size_t(nodes_.x) * std::size_t(nodes_.y))));
@@ -549,7 +553,8 @@ CompactCloud::CompactCloud(const BrickVolume& volume, const CloudLighting& light
     }
     const float error = settings.density_error * std::sqrt(max_density_);
     density_ = CompactField(
-        glm::vec3(min_), 1, volume.table().bricks(), true, [&](const glm::ivec3& c, float* values, float* errors) {
+        glm::vec3(min_), 1, volume.table().bricks(), true,
+        [&](const glm::ivec3& c, float* values, float* errors) {
             const std::int32_t b = volume.table().find(c.x, c.y, c.z);
             if (b < 0) {
                 return false;
@@ -561,7 +566,8 @@ CompactCloud::CompactCloud(const BrickVolume& volume, const CloudLighting& light
                 errors[i] = error * std::sqrt(values[i]);
             }
             return true;
-        });
+        },
+        &volume.table());
     relight(volume, lighting, eye_m);
 }
 

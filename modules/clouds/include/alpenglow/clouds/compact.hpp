@@ -39,8 +39,10 @@ public:
 
     CompactField() = default;
     // origin: index coordinates of cell (0, 0, 0); factor: voxels a cell; bricks: extent. squared: roots are kept, of
-    // values >= 0; else values less a plane.
-    CompactField(const glm::vec3& origin, int factor, const glm::ivec3& bricks, bool squared, const Fill& fill);
+    // values >= 0; else values less a plane. where: nodes that are empty in this table of the same extent are not asked
+    // for.
+    CompactField(const glm::vec3& origin, int factor, const glm::ivec3& bricks, bool squared, const Fill& fill,
+                 const BrickTable* where = nullptr);
 
     // At index coordinates, clamped to the lattice: the scalar reference.
     [[nodiscard]] float sample(const glm::vec3& index) const;
