@@ -66,9 +66,9 @@ struct LightDepth {
 [[nodiscard]] LightDepth light_depth(const Lattice& lattice, const std::vector<float>& density,
                                      const glm::vec3& block_m, const glm::vec3& to_light, float removal_per_density);
 
-// Depths for reading by trilinear interpolation: less a twelfth of their second differences, so that what is read has the
-// mean that it should have over each block (lines between the values of a convex function lie above it, and clouds would
-// be darker by 2 %). Not below 0; the lattice's outer layer stays.
+// Depths for reading by trilinear interpolation: less a twelfth of their second differences, so that what is read has
+// the mean that it should have over each block (lines between the values of a convex function lie above it, and clouds
+// would be darker by 2 %). Not below 0; the lattice's outer layer stays.
 [[nodiscard]] std::vector<float> sharpened(const Lattice& lattice, const std::vector<float>& depth);
 
 // Harris's multiple forward scattering (course notes, cloud rendering, eq. 8) along the same columns, a slice a

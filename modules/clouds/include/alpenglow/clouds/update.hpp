@@ -18,8 +18,8 @@ struct CloudSources {
 };
 
 // Sun and moon that are up and bright enough to matter (a thousandth of the brighter one), and the sky up to band 3.
-// Below the horizon stands what level ground of that albedo sends up: sun, moon and the sky's irradiance (its first three
-// bands: Ramamoorthi and Hanrahan 2001) over pi, a Lambertian plane, the same in every direction.
+// Below the horizon stands what level ground of that albedo sends up: sun, moon and the sky's irradiance (its first
+// three bands: Ramamoorthi and Hanrahan 2001) over pi, a Lambertian plane, the same in every direction.
 [[nodiscard]] CloudSources cloud_sources(const SkyState& state, const SkyLightSh* sky,
                                          const glm::vec3& ground_albedo = glm::vec3(0.0F));
 
