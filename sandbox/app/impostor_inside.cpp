@@ -17,7 +17,7 @@ constexpr double kLeastDownscale = 3.0;
 constexpr double kMargin = 0.05;                  // of the window, for turns that were not foreseen
 constexpr double kSlack = 0.01;                   // its last texels are held to the rim
 constexpr double kLeastDepth = 20.0;              // of a mesh, over the way from key to key
-constexpr int kShortest = 4, kLongest = 10;       // frames from key to key
+constexpr int kShortest = 3, kLongest = 10;       // frames from key to key
 constexpr double kJump_m = 40.0, kJump_rad = 0.2; // in one frame: not a flight
 
 double work_of(double seen, double texels) {
@@ -181,8 +181,13 @@ double InsidePictures::update(std::span<const Wanted> wanted, const impostors::F
         const Cloud* cloud = find(w.object);
         needed += cloud != nullptr && cloud->units > 0.0 ? cloud->units : key_units;
     }
-    const int period = std::clamp(
-        static_cast<int>(std::ceil(needed / std::max(units, 1.0))) + (wanted.size() > 1 ? 1 : 0), kShortest, kLongest);
+    // Where things cut the clouds, a little longer: more of the pictures are in use there.
+    const bool cut = std::any_of(clouds_.begin(), clouds_.end(),
+                                 [](const auto& entry) { return entry.second.to && !entry.second.to->cuts.empty(); });
+    const int shortest = cut ? kShortest + 1 : kShortest;
+    const int wait = cut && wanted.size() > 1 ? 1 : 0;
+    const int period =
+        std::clamp(static_cast<int>(std::ceil(needed / std::max(units, 1.0))) + wait, shortest, kLongest);
     double spent = 0.0;
     bool begun = false;
     for (const Wanted& w : wanted) {
