@@ -350,7 +350,9 @@ const Case bake_case("clouds/bake", [](const Context& context) {
     for (const int factor : {3, 2}) {
         LightingSettings settings;
         settings.transport_factor = factor;
-        const std::string grid = factor == 2 ? ", half grid" : ", third grid";
+        settings.max_transport_cells = std::size_t(1) << 23;
+        settings.sweeps = factor == 2 ? 4 : settings.sweeps;
+        const std::string grid = factor == 2 ? ", half grid, 4 sweeps" : ", third grid, 6 sweeps";
         CloudLighting lighting;
         row.method = "transport: preparation" + grid;
         add(context, row, [&] { lighting.reset(s.volume, s.medium, settings); });
@@ -453,8 +455,9 @@ const Case lighting_case("clouds/lighting", [](const Context& context) {
     for (const Tried& tried : {Tried{"(a) single scattering", LightingMethod::single_scattering, 2, 4},
                                {"(b) Harris", LightingMethod::harris, 2, 4},
                                {"(c) octaves", LightingMethod::octaves, 2, 4},
-                               {"(d) transport, quarter grid", LightingMethod::transport, 4, 4},
-                               {"(d) transport, third grid", LightingMethod::transport, 3, 4},
+                               {"(d) transport, quarter grid, 4 sweeps", LightingMethod::transport, 4, 4},
+                               {"(d) transport, third grid, 4 sweeps", LightingMethod::transport, 3, 4},
+                               {"(d) transport, third grid, 6 sweeps", LightingMethod::transport, 3, 6},
                                {"(d) transport, half grid, P1 only", LightingMethod::transport, 2, 0},
                                {"(d) transport, half grid, 1 sweep", LightingMethod::transport, 2, 1},
                                {"(d) transport, half grid, 2 sweeps", LightingMethod::transport, 2, 2},
@@ -464,6 +467,7 @@ const Case lighting_case("clouds/lighting", [](const Context& context) {
         LightingSettings settings;
         settings.method = tried.method;
         settings.transport_factor = tried.factor;
+        settings.max_transport_cells = std::size_t(1) << 23;
         settings.sweeps = tried.sweeps;
         CloudLighting lighting;
         lighting.reset(t.volume, t.medium, settings);
@@ -544,6 +548,7 @@ const Case light_grid_case("clouds/light grid", [](const Context& context) {
         LightingSettings settings;
         settings.depth_factor = depth;
         settings.transport_factor = cells;
+        settings.max_transport_cells = std::size_t(1) << 23;
         CloudLighting lighting;
         lighting.reset(t.volume, t.medium, settings);
         lighting.bake_light(0, t.sun, false);

@@ -133,8 +133,10 @@ Status run_study(const StudyOptions& options) {
                 for (const std::string& method : options.methods) {
                     LightingSettings settings;
                     settings.method = method_of(method);
-                    settings.transport_factor = options.transport_factor;
-                    settings.max_transport_cells = std::size_t(1) << 23; // the factor asked for, whatever it costs
+                    if (options.transport_factor > 0) {
+                        settings.transport_factor = options.transport_factor;
+                        settings.max_transport_cells = std::size_t(1) << 23; // whatever it costs
+                    }
                     settings.sweeps = options.sweeps > 0 ? options.sweeps : settings.sweeps;
                     CloudLighting lighting;
                     lighting.reset(volume, medium, settings);

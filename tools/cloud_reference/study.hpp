@@ -15,8 +15,8 @@ struct StudyOptions {
     std::vector<std::string> methods{"single", "harris", "octaves", "transport"};
     std::vector<double> albedos{0.9, 0.99, 1.0};
     std::vector<double> anisotropies{0.0, 0.85, 0.95};
-    int transport_factor = 2;
-    int sweeps = 0; // 0: the default
+    int transport_factor = 0; // 0: the default, by the size of the cloud
+    int sweeps = 0;           // 0: the default
     bool references_only = false;
 };
 

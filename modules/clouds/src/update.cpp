@@ -127,6 +127,9 @@ bool refresh(const CloudVolume& cloud, CloudLight& light, const CloudSources& so
             cloud.extinction_per_m, cloud.albedo, {PhaseKind::henyey_greenstein, cloud.anisotropy, 0.0F, 1.0F}};
         LightingSettings settings;
         settings.method = static_cast<LightingMethod>(cloud.method);
+        // In slices over frames finer cells are worth their time.
+        settings.max_transport_cells = std::size_t(1) << 19;
+        settings.sweeps = 4;
         if (!light.lighting) {
             light.lighting = std::make_shared<CloudLighting>();
         }

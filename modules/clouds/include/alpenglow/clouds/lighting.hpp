@@ -24,12 +24,12 @@ enum class LightingMethod {
 
 struct LightingSettings {
     LightingMethod method = LightingMethod::transport;
-    int depth_factor = 1;                               // voxels a side of the optical depth's blocks
-    int transport_factor = 2;                           // and of the multiply scattered light's
-    int sweeps = 4;                                     // of the ordinates, from a cold start
-    int warm_sweeps = 1;                                // and after a light has turned a little
-    std::size_t max_depth_cells = std::size_t(6) << 20; // beyond, blocks grow
-    std::size_t max_transport_cells = std::size_t(1) << 19;
+    int depth_factor = 1;                                   // voxels a side of the optical depth's blocks
+    int transport_factor = 2;                               // and of the multiply scattered light's, at least
+    int sweeps = 6;                                         // of the ordinates, from a cold start
+    int warm_sweeps = 1;                                    // and after a light has turned a little
+    std::size_t max_depth_cells = std::size_t(6) << 20;     // beyond, blocks grow
+    std::size_t max_transport_cells = std::size_t(1) << 17; // a fifth of a second of CPU time for sun and sky
     BeamTable::Octaves octaves;
     Phase harris_phase{PhaseKind::rayleigh, 0.0F, 0.0F, 1.0F}; // what the paper draws with
     bool harris_saturate = false;
