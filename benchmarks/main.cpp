@@ -24,9 +24,15 @@ std::vector<Registered>& registry() {
 }
 
 nlohmann::ordered_json to_json(const Row& row) {
-    return {{"module", row.module},       {"case", row.name},           {"method", row.method},
-            {"time_ns", row.time_ns},     {"time_spread", row.time_spread}, {"error", row.error},
-            {"error_metric", row.error_metric}, {"reference", row.reference}, {"bytes", row.bytes},
+    return {{"module", row.module},
+            {"case", row.name},
+            {"method", row.method},
+            {"time_ns", row.time_ns},
+            {"time_spread", row.time_spread},
+            {"error", row.error},
+            {"error_metric", row.error_metric},
+            {"reference", row.reference},
+            {"bytes", row.bytes},
             {"items", row.items}};
 }
 

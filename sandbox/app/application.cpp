@@ -24,7 +24,9 @@
 namespace alpenglow::sandbox {
 namespace {
 
-void say(const std::string& text) { std::cerr << "alpenglow-sandbox: " << text << '\n'; }
+void say(const std::string& text) {
+    std::cerr << "alpenglow-sandbox: " << text << '\n';
+}
 
 Exit fail(const Error& error, Exit code) {
     say(error.message());
@@ -148,8 +150,7 @@ Exit run(const Options& options) {
     }
 
     vulkan::InstanceOptions instance_options{.validation = options.validate, .application = "alpenglow-sandbox"};
-    const std::vector<const char*> extensions =
-        window ? window->instance_extensions() : std::vector<const char*>{};
+    const std::vector<const char*> extensions = window ? window->instance_extensions() : std::vector<const char*>{};
     instance_options.extensions = extensions;
     const Result<vulkan::Instance> instance = vulkan::Instance::create(instance_options);
     if (!instance) {
@@ -177,12 +178,12 @@ Exit run(const Options& options) {
             // A device that takes the instance but not the frame: out of memory, or a size past its limits.
             return fail(session.error(), Exit::no_device);
         }
-        const Status finished = window ? (*session)->play() : (*session)->render(options.frames > 0 ? options.frames : 1);
+        const Status finished =
+            window ? (*session)->play() : (*session)->render(options.frames > 0 ? options.frames : 1);
         if (!finished) {
             return fail(finished.error(), Exit::failed);
         }
-        const std::string picture =
-            options.out.empty() && !window ? "alpenglow-" + scene->name + ".png" : options.out;
+        const std::string picture = options.out.empty() && !window ? "alpenglow-" + scene->name + ".png" : options.out;
         code = write_results(**session, options, picture);
     }
     const Exit validation = report_validation(*instance);

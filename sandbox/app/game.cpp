@@ -22,15 +22,14 @@
 namespace alpenglow::sandbox {
 
 Game::Game(const Scene& scene, std::unique_ptr<World> world)
-    : world_(std::move(world)), sky_(registry_.create()), dome_(SkyDome::vertices),
-      stage_{.registry = registry_,
-             .sky = sky_,
-             .world = *world_,
-             .camera = camera,
-             .drawn = frame_,
-             .reports = reports_,
-             .light = {},
-             .frame = {}} {
+    : world_(std::move(world)), sky_(registry_.create()), dome_(SkyDome::vertices), stage_{.registry = registry_,
+                                                                                           .sky = sky_,
+                                                                                           .world = *world_,
+                                                                                           .camera = camera,
+                                                                                           .drawn = frame_,
+                                                                                           .reports = reports_,
+                                                                                           .light = {},
+                                                                                           .frame = {}} {
     registry_.emplace<WorldClock>(sky_);
     registry_.emplace<Observer>(sky_);
     // Where no ephemeris moves it, the sun stands in the southwest, 35 degrees up.

@@ -17,8 +17,8 @@ struct PanelState {
     double utc_j2000_s = 0.0;          // likewise
     std::vector<std::string> texts;    // likewise: the parts' lines; emptied to be written anew
     std::string device;
-    std::string message;              // a shader's error, a screenshot's path; shown until replaced
-    std::vector<std::string> scenes;  // names to choose from
+    std::string message;             // a shader's error, a screenshot's path; shown until replaced
+    std::vector<std::string> scenes; // names to choose from
     int scene = 0;
     bool visible = true;
     bool help = false;

@@ -38,7 +38,7 @@ struct Stage {
     int width = 0, height = 0;          // of the picture, pixels
     Quality quality = Quality::lean;    // of the renderer
     std::uint64_t storage_bytes = 0;    // that a shader of its device reads from one storage buffer; 0: no device
-    std::vector<Error> problems{};       // of a scene's files: it goes on without what they hold; told and emptied
+    std::vector<Error> problems{};      // of a scene's files: it goes on without what they hold; told and emptied
     CaptureFace capture{};              // empty without a renderer
 };
 

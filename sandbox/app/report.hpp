@@ -10,7 +10,7 @@
 namespace alpenglow::sandbox {
 
 struct FrameReport {
-    double cpu_ms = 0.0;  // CPU time of the whole process, all threads
+    double cpu_ms = 0.0; // CPU time of the whole process, all threads
     double wall_ms = 0.0;
     double direct_cpu_ms = 0.0; // of the same frame without impostors, where it was compared; else 0
     double direct_wall_ms = 0.0;

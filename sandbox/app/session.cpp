@@ -299,10 +299,18 @@ Status Session::act(const Input& input, double dt_s) {
     WorldClock& clock = game->clock();
     for (const int key : input.pressed) {
         switch (key) {
-        case GLFW_KEY_ESCAPE: window_->close(); break;
-        case GLFW_KEY_H: panel_.visible = !panel_.visible; break;
-        case GLFW_KEY_F1: panel_.help = !panel_.help; break;
-        case GLFW_KEY_F12: panel_.screenshot = true; break;
+        case GLFW_KEY_ESCAPE:
+            window_->close();
+            break;
+        case GLFW_KEY_H:
+            panel_.visible = !panel_.visible;
+            break;
+        case GLFW_KEY_F1:
+            panel_.help = !panel_.help;
+            break;
+        case GLFW_KEY_F12:
+            panel_.screenshot = true;
+            break;
         case GLFW_KEY_SPACE:
             if (clock.rate != 0.0) {
                 stopped_rate_ = std::exchange(clock.rate, 0.0);
@@ -310,10 +318,18 @@ Status Session::act(const Input& input, double dt_s) {
                 clock.rate = stopped_rate_;
             }
             break;
-        case GLFW_KEY_COMMA: clock.rate = clock.rate <= 1.0 ? 0.0 : clock.rate / 10.0; break;
-        case GLFW_KEY_PERIOD: clock.rate = clock.rate < 1.0 ? 1.0 : std::min(clock.rate * 10.0, 10000.0); break;
-        case GLFW_KEY_LEFT_BRACKET: clock.utc_j2000_s -= 3600.0; break;
-        case GLFW_KEY_RIGHT_BRACKET: clock.utc_j2000_s += 3600.0; break;
+        case GLFW_KEY_COMMA:
+            clock.rate = clock.rate <= 1.0 ? 0.0 : clock.rate / 10.0;
+            break;
+        case GLFW_KEY_PERIOD:
+            clock.rate = clock.rate < 1.0 ? 1.0 : std::min(clock.rate * 10.0, 10000.0);
+            break;
+        case GLFW_KEY_LEFT_BRACKET:
+            clock.utc_j2000_s -= 3600.0;
+            break;
+        case GLFW_KEY_RIGHT_BRACKET:
+            clock.utc_j2000_s += 3600.0;
+            break;
         case GLFW_KEY_PAGE_UP:
         case GLFW_KEY_PAGE_DOWN: {
             const int count = static_cast<int>(panel_.scenes.size());
@@ -344,7 +360,8 @@ Status Session::act(const Input& input, double dt_s) {
         }
         const VkExtent2D extent = renderer->extent();
         const std::string path = "alpenglow-" + std::to_string(++screenshots_) + ".png";
-        const Status written = write_png(path, static_cast<int>(extent.width), static_cast<int>(extent.height), *pixels);
+        const Status written =
+            write_png(path, static_cast<int>(extent.width), static_cast<int>(extent.height), *pixels);
         panel_.message = written ? "screenshot: " + path : written.error().message();
     }
     return Ok{};
@@ -358,7 +375,9 @@ Status Session::play() {
         const double now = wall_seconds();
         const double dt_s = std::min(now - last, 0.25); // a stall does not throw the camera across the valley
         last = now;
-        if (const Status acted = act(window_->poll(ImGui::GetIO().WantCaptureMouse, ImGui::GetIO().WantCaptureKeyboard), dt_s); !acted) {
+        if (const Status acted =
+                act(window_->poll(ImGui::GetIO().WantCaptureMouse, ImGui::GetIO().WantCaptureKeyboard), dt_s);
+            !acted) {
             return acted;
         }
         const glm::ivec2 size = window_->framebuffer_size();

@@ -60,7 +60,7 @@ private:
     double speed_m_s_ = 60.0;
     double stopped_rate_ = 1.0; // the rate to go on with after Space
     int screenshots_ = 0;
-    std::vector<std::byte> difference_; // of the last comparison
+    std::vector<std::byte> difference_;                    // of the last comparison
     std::vector<std::byte> compared_, compared_reference_; // its pictures
     std::size_t compared_frame_ = 0;                       // counted from 1
     double updated_cpu_ms_ = 0.0, updated_wall_ms_ = 0.0;  // of the game alone, in this frame

@@ -16,7 +16,9 @@ Error glfw_error(const char* what) {
             "a display (DISPLAY or WAYLAND_DISPLAY), or --headless"};
 }
 
-Window* self(GLFWwindow* window) { return static_cast<Window*>(glfwGetWindowUserPointer(window)); }
+Window* self(GLFWwindow* window) {
+    return static_cast<Window*>(glfwGetWindowUserPointer(window));
+}
 
 } // namespace
 
@@ -107,8 +109,12 @@ Input Window::poll(bool ui_wants_mouse, bool ui_wants_keys) {
     return input;
 }
 
-bool Window::should_close() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
-void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+bool Window::should_close() const {
+    return glfwWindowShouldClose(window_) == GLFW_TRUE;
+}
+void Window::close() {
+    glfwSetWindowShouldClose(window_, GLFW_TRUE);
+}
 
 glm::ivec2 Window::framebuffer_size() const {
     glm::ivec2 size{0};
@@ -116,6 +122,8 @@ glm::ivec2 Window::framebuffer_size() const {
     return size;
 }
 
-void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
+void Window::set_title(const std::string& title) {
+    glfwSetWindowTitle(window_, title.c_str());
+}
 
 } // namespace alpenglow::sandbox

@@ -17,11 +17,11 @@ namespace alpenglow::sandbox {
 
 // What the player did since the last poll.
 struct Input {
-    glm::vec3 move{0.0F};       // right, forward, up; each -1, 0 or 1
-    glm::vec2 look{0.0F};       // mouse motion in pixels while the mouse is captured
-    float speed_steps = 0.0F;   // mouse wheel: powers of the flying speed
-    bool fast = false;          // Shift held
-    std::vector<int> pressed;   // GLFW key codes pressed since the last poll
+    glm::vec3 move{0.0F};     // right, forward, up; each -1, 0 or 1
+    glm::vec2 look{0.0F};     // mouse motion in pixels while the mouse is captured
+    float speed_steps = 0.0F; // mouse wheel: powers of the flying speed
+    bool fast = false;        // Shift held
+    std::vector<int> pressed; // GLFW key codes pressed since the last poll
 };
 
 class Window {

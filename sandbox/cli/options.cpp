@@ -12,7 +12,6 @@
 
 #include "sandbox/scene/calendar.hpp"
 
-
 namespace alpenglow::sandbox {
 namespace {
 
@@ -42,7 +41,8 @@ void declare(CLI::App& app, Options& options, Texts& texts) {
         ->type_name("CHART");
     app.add_option("--device", options.device, "Vulkan device whose name contains this")->type_name("NAME");
     app.add_option("--threads", texts.threads, "Threads for parallel loops (0: all)")->type_name("N");
-    app.add_option("--compare", texts.compare, "Headless: hold every N-th frame against one without impostors")->type_name("N");
+    app.add_option("--compare", texts.compare, "Headless: hold every N-th frame against one without impostors")
+        ->type_name("N");
     app.add_flag("--hud", options.hud, "Draw the HUD in headless runs too");
     app.add_flag("--validate", options.validate, "Turn the Vulkan validation layer on; any message fails the run");
     app.set_help_flag("");

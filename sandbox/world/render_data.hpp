@@ -14,12 +14,12 @@
 
 namespace alpenglow::sandbox {
 
-struct CloudRenderData;   // cloud_render_data.hpp
+struct CloudRenderData;       // cloud_render_data.hpp
 struct EnvironmentRenderData; // environment_render_data.hpp
-struct ImpostorRenderData; // impostor_render_data.hpp
-struct OverlayRenderData;  // overlay_render_data.hpp
-struct ProbeRenderData;   // probe_render_data.hpp
-struct TransferRenderData; // transfer_render_data.hpp
+struct ImpostorRenderData;    // impostor_render_data.hpp
+struct OverlayRenderData;     // overlay_render_data.hpp
+struct ProbeRenderData;       // probe_render_data.hpp
+struct TransferRenderData;    // transfer_render_data.hpp
 
 // A number that no revision in this run has had: equal revisions mean equal content, whatever scene they come from.
 [[nodiscard]] inline std::uint32_t next_revision() {
@@ -56,21 +56,21 @@ struct ObjectInstance {
 struct ShadowVertex {
     glm::vec3 position_m;
     float shade;
-    std::array<std::uint32_t, 4> horizon{};  // of the terrain there, as in Vertex
+    std::array<std::uint32_t, 4> horizon{}; // of the terrain there, as in Vertex
 };
 
 // Vertices of the terrain that form a square grid, row by row from the south-west: the renderer keeps them as an image,
 // so that the ground's relief shows where triangles are coarse.
 struct TerrainGrid {
-    std::uint32_t first_vertex = 0;          // in WorldData::terrain.vertices
-    std::uint32_t samples = 0;               // a side
+    std::uint32_t first_vertex = 0; // in WorldData::terrain.vertices
+    std::uint32_t samples = 0;      // a side
     float spacing_m = 0.0F;
-    glm::vec2 origin_m{0.0F};                // of the first vertex
+    glm::vec2 origin_m{0.0F}; // of the first vertex
 };
 
 // What stays for the whole scene.
 struct WorldData {
-    MeshData terrain; // all vertices; indices hold the coarse default
+    MeshData terrain;                       // all vertices; indices hold the coarse default
     std::vector<TerrainGrid> terrain_grids; // outer first
     std::vector<MeshData> object_meshes;
     std::vector<ObjectInstance> objects; // sorted by mesh
@@ -87,7 +87,8 @@ struct FrameData {
     glm::mat4 view{1.0F};
     glm::mat4 projection{1.0F}; // Vulkan clip space: y down, depth 0..1
     glm::vec3 camera_m{0.0F};
-    std::array<std::uint32_t, 4> camera_horizon{}; // of the terrain below the camera, as in Vertex: 0 is an open horizon
+    std::array<std::uint32_t, 4>
+        camera_horizon{};  // of the terrain below the camera, as in Vertex: 0 is an open horizon
     float exposure = 1.0F; // radiance * exposure = scene value before the tone curve
     // Lights, on surfaces that face them.
     glm::vec3 to_sun{0.0F, 0.0F, 1.0F};
@@ -100,7 +101,7 @@ struct FrameData {
     // deeper in the air), as it would be without the horizon; height over width.
     std::optional<glm::vec3> sun_seen_lux, moon_seen_lux;
     float sun_flattening = 1.0F, moon_flattening = 1.0F;
-    float horizon_rad = 0.0F; // elevation at which sky ends and the discs set
+    float horizon_rad = 0.0F;    // elevation at which sky ends and the discs set
     bool moon_makes_sky = false; // the dome's vertices stand around the moon instead of the sun
     // Irradiance of sky (and ground bounce) as the quadratic form n^T M n, n = (x, y, z, 1), for R, G, B, in lux.
     std::array<glm::mat4, 3> irradiance_matrix{};
@@ -110,7 +111,7 @@ struct FrameData {
     glm::vec3 mie_per_m{2.0e-5F};
     float rayleigh_height_m = 8000.0F;
     float mie_height_m = 1200.0F;
-    glm::vec3 air_light{1.0F}; // factor on it: less where clouds keep light from the air
+    glm::vec3 air_light{1.0F};          // factor on it: less where clouds keep light from the air
     glm::vec3 air_radiance_cd_m2{0.0F}; // saturated air where sky_vertices is empty
     // Terrain level of detail: indices into WorldData::terrain.vertices.
     std::span<const std::uint32_t> terrain_indices;

@@ -11,8 +11,14 @@ double read_clock(clockid_t id) noexcept {
 }
 } // namespace
 
-double thread_cpu_seconds() noexcept { return read_clock(CLOCK_THREAD_CPUTIME_ID); }
-double process_cpu_seconds() noexcept { return read_clock(CLOCK_PROCESS_CPUTIME_ID); }
-double wall_seconds() noexcept { return read_clock(CLOCK_MONOTONIC); }
+double thread_cpu_seconds() noexcept {
+    return read_clock(CLOCK_THREAD_CPUTIME_ID);
+}
+double process_cpu_seconds() noexcept {
+    return read_clock(CLOCK_PROCESS_CPUTIME_ID);
+}
+double wall_seconds() noexcept {
+    return read_clock(CLOCK_MONOTONIC);
+}
 
 } // namespace alpenglow

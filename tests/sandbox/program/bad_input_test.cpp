@@ -25,8 +25,12 @@ protected:
     }
 };
 
-TEST_F(BadInput, UnknownScene) { refuse("--scene nowhere", {"nowhere", "alpine-morning"}); }
-TEST_F(BadInput, UnknownOption) { refuse("--sceen noon", {"--sceen"}); }
+TEST_F(BadInput, UnknownScene) {
+    refuse("--scene nowhere", {"nowhere", "alpine-morning"});
+}
+TEST_F(BadInput, UnknownOption) {
+    refuse("--sceen noon", {"--sceen"});
+}
 
 TEST_F(BadInput, MalformedJson) {
     refuse("--scene " + scene_file("broken.json", "{ \"name\": \"x\", "), {"broken.json", "JSON"});

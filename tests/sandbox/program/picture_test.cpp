@@ -19,7 +19,9 @@ protected:
     }
 };
 
-double luma(const std::vector<double>& rgb) { return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; }
+double luma(const std::vector<double>& rgb) {
+    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+}
 
 TEST_F(Pictures, NoonSkyIsBlueAndTheHorizonIsBrighterThanTheZenith) {
     const Picture noon = render("noon");
@@ -57,16 +59,15 @@ TEST_F(Pictures, SameBytesTwiceAndWithAnyNumberOfThreads) {
             EXPECT_EQ(bytes == first, true) << scene << ' ' << environment;
         }
     };
-    expect_same("alpine-morning",
-                {"LP_NUM_THREADS=0", "LP_NUM_THREADS=0", "LP_NUM_THREADS=1", "LP_NUM_THREADS=2",
-                 "LP_NUM_THREADS=2 ALPENGLOW_THREADS=1", "LP_NUM_THREADS=1 ALPENGLOW_THREADS=3"});
+    expect_same("alpine-morning", {"LP_NUM_THREADS=0", "LP_NUM_THREADS=0", "LP_NUM_THREADS=1", "LP_NUM_THREADS=2",
+                                   "LP_NUM_THREADS=2 ALPENGLOW_THREADS=1", "LP_NUM_THREADS=1 ALPENGLOW_THREADS=3"});
     // With clouds, pictures of them, probes and transfer.
     expect_same("valley-afternoon", {"LP_NUM_THREADS=0 ALPENGLOW_THREADS=3", "LP_NUM_THREADS=2 ALPENGLOW_THREADS=1"});
 }
 
 TEST_F(Pictures, AStaticSceneRecomputesAndUploadsNothing) {
-    const Outcome outcome = run_sandbox("--headless --scene alpine-morning --frames 6 --size 320x180 --out " + in_folder("p.png") +
-                                        " --report " + in_folder("r.json"));
+    const Outcome outcome = run_sandbox("--headless --scene alpine-morning --frames 6 --size 320x180 --out " +
+                                        in_folder("p.png") + " --report " + in_folder("r.json"));
     ASSERT_EQ(outcome.code, 0) << outcome.output;
     const auto report = nlohmann::json::parse(read_file(in_folder("r.json")));
     ASSERT_EQ(report["frames"].size(), 6U);
@@ -86,9 +87,9 @@ TEST_F(Pictures, AStaticSceneRecomputesAndUploadsNothing) {
 TEST_F(Pictures, ValidationIsSilentInBothQualities) {
     for (const char* quality : {"lean", "full"}) {
         for (const char* scene : {"alpine-morning", "full-moon-night", "probes"}) {
-            const Outcome outcome = run_sandbox("--headless --validate --frames 3 --size 192x108 --hud --quality " +
-                                                std::string(quality) + " --scene " + scene + " --out " +
-                                                in_folder("p.png"));
+            const Outcome outcome =
+                run_sandbox("--headless --validate --frames 3 --size 192x108 --hud --quality " + std::string(quality) +
+                            " --scene " + scene + " --out " + in_folder("p.png"));
             EXPECT_EQ(outcome.code, 0) << quality << " " << scene << ": " << outcome.output;
             EXPECT_NE(outcome.output.find("validation: 0 messages"), std::string::npos) << outcome.output;
         }
@@ -99,7 +100,8 @@ TEST_F(Pictures, AWindowOpensDrawsAndCloses) {
     if (std::system("command -v xvfb-run >/dev/null") != 0) {
         GTEST_SKIP() << "needs xvfb-run";
     }
-    const std::string command = "xvfb-run -a " ALPENGLOW_SANDBOX " --validate --scene noon --frames 10 --size 320x180 --out " +
+    const std::string command = "xvfb-run -a " ALPENGLOW_SANDBOX
+                                " --validate --scene noon --frames 10 --size 320x180 --out " +
                                 in_folder("w.png") + " 2>" + in_folder("log");
     EXPECT_EQ(std::system(command.c_str()), 0) << read_file(in_folder("log"));
     EXPECT_NE(read_file(in_folder("log")).find("validation: 0 messages"), std::string::npos);

@@ -71,7 +71,9 @@ void ProgramTest::SetUp() {
     std::filesystem::create_directories(folder_);
 }
 
-void ProgramTest::TearDown() { std::filesystem::remove_all(folder_); }
+void ProgramTest::TearDown() {
+    std::filesystem::remove_all(folder_);
+}
 
 std::size_t ProgramTest::files() const {
     return static_cast<std::size_t>(

@@ -513,9 +513,7 @@ TEST_P(RendererTest, CapturesAreRadianceByDirection) {
     start(plain);
     frame.sun_illuminance_lux = glm::vec3(0.0F);
     frame.moon_illuminance_lux = glm::vec3(0.0F);
-    const auto radiance = [](const glm::vec3& d) {
-        return 1000.0F * (glm::vec3(2.0F) + glm::vec3(d.x, d.y, d.z));
-    };
+    const auto radiance = [](const glm::vec3& d) { return 1000.0F * (glm::vec3(2.0F) + glm::vec3(d.x, d.y, d.z)); };
     place_sky_vertices(frame.to_sun, 0.0F, sky);
     for (SkyVertex& vertex : sky) {
         vertex.radiance_cd_m2 = radiance(vertex.direction);

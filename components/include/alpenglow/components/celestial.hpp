@@ -16,10 +16,10 @@ struct CelestialState {
     double moon_distance_m = 3.844e8;
     float sun_angular_radius_rad = 4.6542e-3F;
     float moon_angular_radius_rad = 4.52e-3F;
-    float moon_phase_angle_rad = 0.0F;        // sun-moon-observer: 0 full, pi new
-    float moon_illuminated_fraction = 1.0F;   // (1 + cos(phase angle)) / 2
-    glm::dmat3 local_from_equatorial{1.0};    // mean equator of J2000 -> local east-north-up: for the stars
-    glm::dmat3 local_from_moon{1.0};          // the moon's body axes -> local east-north-up
+    float moon_phase_angle_rad = 0.0F;      // sun-moon-observer: 0 full, pi new
+    float moon_illuminated_fraction = 1.0F; // (1 + cos(phase angle)) / 2
+    glm::dmat3 local_from_equatorial{1.0};  // mean equator of J2000 -> local east-north-up: for the stars
+    glm::dmat3 local_from_moon{1.0};        // the moon's body axes -> local east-north-up
     // The inputs that this was made from; NaN until the first update.
     double made_from_utc_j2000_s = __builtin_nan("");
     double made_from_latitude_rad = 0.0;

@@ -7,9 +7,9 @@ namespace alpenglow {
 
 // A place on the Earth (WGS84).
 struct Observer {
-    double latitude_rad = 0.0;  // geodetic, north positive, -pi/2 .. pi/2
-    double longitude_rad = 0.0; // east positive
-    double height_m = 0.0;      // above the ellipsoid
+    double latitude_rad = 0.0;   // geodetic, north positive, -pi/2 .. pi/2
+    double longitude_rad = 0.0;  // east positive
+    double height_m = 0.0;       // above the ellipsoid
     double max_error_rad = 1e-5; // directions are recomputed before they could be off by more than this
 };
 

@@ -22,7 +22,7 @@ struct ScatteringAtmosphere {
     glm::dvec3 mie_scattering_per_km{3.996e-3};
     glm::dvec3 mie_absorption_per_km{0.444e-3};
     double mie_height_km = 1.2;
-    double mie_g = 0.8;                                    // Cornette-Shanks
+    double mie_g = 0.8; // Cornette-Shanks
     // At 25 km, falling linearly to 0 at 10 and 40 km. Mean of the spectral absorption (Preetham et al. 1999, table 2)
     // under the Rec. 709 channels and the sun's spectrum: through 30 times the column it changes by 3 %.
     glm::dvec3 ozone_per_km{2.42e-3, 1.61e-3, 0.0};
